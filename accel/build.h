@@ -1,0 +1,57 @@
+#pragma once
+
+// Building acceleration structures. A structure is one contiguous block that holds no pointer into itself, so it may be
+// moved or written to disk as bytes; a top-level block refers to bottom-level blocks by address only (TL-09).
+// Same input, same bytes, for any thread count (DET-07).
+
+#include <rayloom/accel/build_input.h>
+
+#include <span>
+
+namespace rayloom::accel {
+
+/// Blocks start at multiples of this many bytes (D3D12_RAYTRACING_ACCELERATION_STRUCTURE_BYTE_ALIGNMENT).
+inline constexpr uint64_t structure_alignment = 256;
+
+/// Where the addresses inside instance descs live on the host: host pointer = base + address. A plain library user
+/// leaves it null and stores host pointers as addresses; the runtime gives the base of its simulated device memory.
+struct AddressSpace {
+  const std::byte* base = nullptr;
+  const std::byte* host(uint64_t address) const {
+    return base ? base + address : reinterpret_cast<const std::byte*>(address);
+  }
+};
+
+BuildSizes bottom_level_sizes(std::span<const TriangleGeometry> geometries, uint32_t build_flags);
+BuildSizes bottom_level_sizes(std::span<const AabbGeometry> geometries, uint32_t build_flags);
+BuildSizes top_level_sizes(uint64_t instance_count, uint32_t build_flags);
+
+/// Each build writes `result` (aligned to structure_alignment, at least result_bytes long) and returns the bytes it
+/// used, the structure's current size. Throws InputError for input no rule gives a meaning to (an index out of range,
+/// a count over its limit, memory too small), std::bad_alloc when scratch memory cannot be had.
+uint64_t build_bottom_level(std::span<const TriangleGeometry> geometries, uint32_t build_flags,
+                            std::span<std::byte> result);
+uint64_t build_bottom_level(std::span<const AabbGeometry> geometries, uint32_t build_flags,
+                            std::span<std::byte> result);
+uint64_t build_top_level(std::span<const InstanceDesc> instances, AddressSpace addresses, uint32_t build_flags,
+                         std::span<std::byte> result);
+
+/// What a finished block says of itself.
+struct StructureInfo {
+  bool top_level = false;
+  bool procedural = false;
+  uint32_t build_flags = 0;
+  uint64_t bytes = 0;
+  uint32_t depth = 0;  ///< of the wide tree, in nodes
+  uint64_t nodes = 0, leaves = 0;
+  uint64_t primitives = 0;         ///< counting inactive and degenerate ones (instances of a top level)
+  uint64_t active_primitives = 0;  ///< those in leaves
+  uint32_t geometries = 0;
+  double sah_cost = 0;  ///< expected node visits + leaf visits of a random ray that hits the root box
+  float bounds_min[3] = {}, bounds_max[3] = {};
+};
+
+/// Throws InputError when `block` is not a structure this version wrote.
+StructureInfo structure_info(const std::byte* block);
+
+}  // namespace rayloom::accel

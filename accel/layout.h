@@ -1,0 +1,85 @@
+#pragma once
+
+// The bytes of a structure. Everything refers to everything else by a 32-bit reference that counts 32-byte granules from
+// the block's start, so a block can be moved; 31 bits of granules reach 64 GiB. The hardware model walks these same bytes
+// at their simulated addresses.
+
+#include <cstddef>
+#include <cstdint>
+
+namespace rayloom::accel {
+
+inline constexpr uint32_t granule_bytes = 32;
+
+/// Child reference: granule index, top bit set for a leaf. An empty slot has an inverted box and is never followed.
+namespace node_ref {
+inline constexpr uint32_t leaf_bit = 0x80000000u;
+inline constexpr bool is_leaf(uint32_t ref) { return (ref & leaf_bit) != 0; }
+inline constexpr uint64_t offset(uint32_t ref) { return uint64_t{ref & ~leaf_bit} * granule_bytes; }
+}  // namespace node_ref
+
+/// Eight children. bounds[axis][side][child], side 0 the minimum: a ray picks the near plane by its direction's sign.
+/// Empty slots: minimum +inf, maximum -inf.
+struct alignas(32) Node8 {
+  float bounds[3][2][8];
+  uint32_t child[8];
+};
+static_assert(sizeof(Node8) == 224);
+
+/// Up to eight triangles, vertex[vertex][axis][lane]. Unused lanes: NaN vertices and primitive == no_index.
+struct alignas(32) TriangleLeaf8 {
+  float vertex[3][3][8];
+  uint32_t primitive[8];
+  uint32_t geometry[8];  ///< 24-bit index, geometry_flag bits from bit 24
+};
+static_assert(sizeof(TriangleLeaf8) == 352);
+
+/// Up to eight procedural boxes, bounds[axis][side][lane]. Unused lanes: inverted boxes and primitive == no_index.
+struct alignas(32) ProceduralLeaf8 {
+  float bounds[3][2][8];
+  uint32_t primitive[8];
+  uint32_t geometry[8];
+};
+static_assert(sizeof(ProceduralLeaf8) == 256);
+
+/// A leaf of a top-level structure: one instance, its inverse kept in double (numerics.md 3.5).
+struct alignas(32) InstanceRecord {
+  double world_to_object[3][4];
+  float object_to_world[3][4];  ///< as given
+  uint64_t bottom_level_address;
+  uint32_t instance_index;  ///< position in the build's array (SV-27)
+  uint32_t id_and_mask;     ///< 24-bit InstanceID, mask in the top 8 bits
+  uint32_t contribution_and_flags;  ///< 24-bit contribution to the hit group index, instance_flag bits in the top 8
+  uint32_t reserved;
+};
+static_assert(sizeof(InstanceRecord) == 192);
+
+enum class StructureKind : uint32_t { triangles = 1, procedurals = 2, instances = 3 };
+
+inline constexpr uint64_t structure_magic = 0x31304d4f4f4c5952;  // "RYLOOM01", little endian
+
+/// First bytes of every block.
+struct alignas(32) StructureHeader {
+  uint64_t magic;
+  StructureKind kind;
+  uint32_t build_flags;
+  uint64_t bytes;
+  uint32_t root;   ///< node_ref; no_index for a structure without active primitives
+  uint32_t depth;  ///< nodes on the longest path; at most max_depth
+  float bounds_min[3], bounds_max[3];
+  uint32_t node_count, leaf_count;
+  uint64_t primitive_count, active_count;
+  uint32_t geometry_count;
+  uint32_t non_opaque_count;  ///< geometries without the opaque flag, instances with force_non_opaque for a top level
+  double sah_cost;
+  float pad_scale;  ///< top level: 1 + the largest conditioning among its instances (docs/numerics.md); else 1
+  uint32_t reserved[7];
+};
+static_assert(sizeof(StructureHeader) == 128 && offsetof(StructureHeader, bounds_min) == 32);
+
+/// No builder makes a deeper tree: binary splits stop being chosen by cost at depth 32 and halve from there, and a
+/// structure has at most 2^29 primitives (CAP-09). A stack of 7 * max_depth + 1 entries therefore never overflows.
+inline constexpr uint32_t max_depth = 64;
+inline constexpr uint32_t stack_entries = 7 * max_depth + 1;
+
+}  // namespace rayloom::accel
