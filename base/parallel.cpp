@@ -1,10 +1,6 @@
-#include <rayloom/base/float_environment.h>
 #include <rayloom/base/parallel.h>
-#include <tbb/global_control.h>
-#include <tbb/info.h>
-#include <tbb/parallel_for.h>
-#include <tbb/task_arena.h>
-#include <tbb/task_group.h>
+
+#include <rayloom/base/float_environment.h>
 
 #include <algorithm>
 #include <atomic>
@@ -12,6 +8,11 @@
 #include <limits>
 #include <mutex>
 #include <optional>
+#include <tbb/global_control.h>
+#include <tbb/info.h>
+#include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
+#include <tbb/task_group.h>
 
 namespace rayloom {
 
