@@ -1,0 +1,25 @@
+#include <rayloom/tools/interrupt.h>
+
+#include <csignal>
+
+namespace rayloom::tools {
+namespace {
+
+volatile std::sig_atomic_t requested = 0;
+
+extern "C" void on_interrupt(int) {
+  requested = 1;
+  std::signal(SIGINT, SIG_DFL);
+}
+
+}  // namespace
+
+void watch_for_interrupt() { std::signal(SIGINT, on_interrupt); }
+
+bool interrupt_requested() noexcept { return requested != 0; }
+
+void throw_if_interrupted() {
+  if (interrupt_requested()) throw Interrupted();
+}
+
+}  // namespace rayloom::tools

@@ -1,0 +1,3 @@
+#include <rayloom/tools/cli.h>
+
+int main(int argc, char** argv) { return rayloom::tools::run_command_line(argc, argv); }
