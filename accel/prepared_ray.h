@@ -1,0 +1,62 @@
+#pragma once
+
+// What every box and triangle test reads of a ray, computed once per ray and structure. The proofs behind the constants
+// are in docs/numerics.md.
+
+#include <rayloom/accel/ray.h>
+
+#include <algorithm>
+#include <cstdint>
+#include <limits>
+
+namespace rayloom::accel {
+
+/// A ray made ready for one structure. Plane distances are in *box space*: t times box_scale, a power of two of this
+/// ray, so distances of rays prepared for different structures (a world ray and its copy in an instance) must not be
+/// compared; convert limits with near_limit() and far_limit().
+struct PreparedRay {
+  float origin[3];
+  float direction[3];
+  float t_min, t_max;  ///< as given
+
+  // Boxes: entry = fma(plane[near_side], reciprocal, near_offset), exit = fma(plane[1 - near_side], reciprocal,
+  // far_offset), per axis. Finite for every ray, so the infinite planes of empty slots never pass.
+  float reciprocal[3];
+  float near_offset[3], far_offset[3];
+  uint32_t near_side[3];  ///< 0 minimum plane, 1 maximum plane
+  double box_scale;
+
+  // Triangles: axis[2] is the axis of the largest direction component (the lowest of equals), axis[0] and axis[1]
+  // follow it cyclically; x' = x - shear[0] * z, y' = y - shear[1] * z looks along the ray.
+  uint32_t axis[3];
+  float shear[2];          ///< direction[axis[i]] / direction[axis[2]], rounded once
+  double shear_double[2];  ///< the same quotients in double
+  double inverse_z;        ///< 1 / direction[axis[2]]
+
+  bool valid;  ///< false: the ray misses everything (TR-17, TR-18) and the other members mean nothing
+
+  /// Lower end of the interval in box space, never above t * box_scale.
+  float near_limit(float t) const {
+    const double scaled = double{t} * box_scale;
+    return scaled < 0x1p-126 ? 0.0f : static_cast<float>(std::min(scaled, 0x1p120));
+  }
+
+  /// Upper end of the interval in box space, never below t * box_scale. t >= 0.
+  float far_limit(float t) const {
+    const double scaled = double{t} * box_scale;
+    if (scaled > 0x1p127) return std::numeric_limits<float>::infinity();
+    return static_cast<float>(std::max(scaled, 0x1p-126));
+  }
+};
+
+/// Prepares `ray` for a structure whose boxes all lie inside [bounds_min, bounds_max].
+///
+/// No box holding an exact hit with t_min < t is ever missed. Hits are exact for the ray as given, so pad_scale is 1
+/// where primitives are tested against this very ray. In a top-level structure primitives are tested against rounded
+/// copies of the ray; there pad_scale is 1 + kappa, with kappa >= max over the instances of |M| * |M^-1| (infinity
+/// norms of the 3x3 parts of the object-to-world matrix and of its stored inverse, rounded up), and the builder must
+/// have enlarged every instance's world box by 2^-22 * |M| * (largest absolute coordinate of the instance's
+/// object-space bounds) on each side, besides rounding the transformed corners outward.
+PreparedRay prepare_ray(const Ray& ray, const float bounds_min[3], const float bounds_max[3], float pad_scale = 1);
+
+}  // namespace rayloom::accel

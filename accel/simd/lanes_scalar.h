@@ -1,0 +1,100 @@
+#pragma once
+
+// The lane tests in plain C++: the oracle of lanes-inl.h, bit for bit, and the kernel of CPUs without AVX2.
+
+#include <rayloom/accel/layout.h>
+#include <rayloom/accel/prepared_ray.h>
+#include <rayloom/accel/simd/lane_masks.h>
+
+#include <cmath>
+
+namespace rayloom::accel::scalar {
+
+/// Ray constants of one traversal. In the SIMD twin these are vectors, here the prepared ray serves as it is.
+struct RayLanes {
+  explicit RayLanes(const PreparedRay& prepared) : ray(&prepared) {}
+  const PreparedRay* ray;
+};
+
+// MAXPS and MINPS, which return the second operand when the operands are unordered or equal.
+inline float max_lane(float a, float b) { return a > b ? a : b; }
+inline float min_lane(float a, float b) { return a < b ? a : b; }
+
+/// Entry and exit of box `lane` of bounds[axis][side][lane], clipped to [t_near, t_far]; entry > exit: missed.
+struct BoxInterval {
+  float entry, exit;
+};
+
+inline BoxInterval box_interval(const PreparedRay& ray, const float (&bounds)[3][2][8], int lane, float t_near,
+                                float t_far) {
+  float entry[3], exit[3];
+  for (int axis = 0; axis < 3; ++axis) {
+    const uint32_t side = ray.near_side[axis];
+    entry[axis] = std::fma(bounds[axis][side][lane], ray.reciprocal[axis], ray.near_offset[axis]);
+    exit[axis] = std::fma(bounds[axis][1 - side][lane], ray.reciprocal[axis], ray.far_offset[axis]);
+  }
+  return {max_lane(max_lane(entry[0], entry[1]), max_lane(entry[2], t_near)),
+          min_lane(min_lane(exit[0], exit[1]), min_lane(exit[2], t_far))};
+}
+
+/// Mask of the children whose boxes the ray may meet in [t_near, t_far] (box space: near_limit(), far_limit());
+/// near_out holds their entry distances, other lanes hold no meaning.
+inline uint32_t test_node(const RayLanes& lanes, const Node8& node, float t_near, float t_far, float near_out[8]) {
+  uint32_t mask = 0;
+  for (int lane = 0; lane < 8; ++lane) {
+    const BoxInterval interval = box_interval(*lanes.ray, node.bounds, lane, t_near, t_far);
+    near_out[lane] = interval.entry;
+    mask |= uint32_t{interval.entry <= interval.exit} << lane;
+  }
+  return mask;
+}
+
+/// Mask of the used procedural boxes the ray may meet. Conservative: DXR lets an intersection shader run for more.
+inline uint32_t test_boxes(const RayLanes& lanes, const ProceduralLeaf8& leaf, float t_near, float t_far) {
+  uint32_t mask = 0;
+  for (int lane = 0; lane < 8; ++lane) {
+    const BoxInterval interval = box_interval(*lanes.ray, leaf.bounds, lane, t_near, t_far);
+    mask |= uint32_t{interval.entry <= interval.exit && leaf.primitive[lane] != no_index} << lane;
+  }
+  return mask;
+}
+
+/// The three edge functions of a triangle in the ray's sheared frame (01, 12, 20) and a bound on the error of each.
+struct EdgeFilter {
+  float edge[3];
+  float bound;
+};
+
+inline EdgeFilter filter_triangle(const PreparedRay& ray, const TriangleLeaf8& leaf, int lane) {
+  float x[3], y[3], z[3];
+  for (int i = 0; i < 3; ++i) {
+    z[i] = leaf.vertex[i][ray.axis[2]][lane] - ray.origin[ray.axis[2]];
+    x[i] = std::fma(-ray.shear[0], z[i], leaf.vertex[i][ray.axis[0]][lane] - ray.origin[ray.axis[0]]);
+    y[i] = std::fma(-ray.shear[1], z[i], leaf.vertex[i][ray.axis[1]][lane] - ray.origin[ray.axis[1]]);
+  }
+  const float extent =
+      ((std::fabs(x[0]) + std::fabs(y[0])) + (std::fabs(x[1]) + std::fabs(y[1]))) + (std::fabs(x[2]) + std::fabs(y[2]));
+  const float depth = max_lane(max_lane(std::fabs(z[0]), std::fabs(z[1])), std::fabs(z[2]));
+  // docs/numerics.md, "The float filter": the unscaled product overflows before any product of an edge function can.
+  const float product = std::fma(0x1p-21f, depth, extent) * std::fma(1.625f, extent, 3.125f * depth);
+  return {{std::fma(x[0], y[1], -(y[0] * x[1])), std::fma(x[1], y[2], -(y[1] * x[2])),
+           std::fma(x[2], y[0], -(y[2] * x[0]))},
+          std::fma(product, 0x1p-24f, 0x1p-140f)};
+}
+
+inline LeafMasks test_triangles(const RayLanes& lanes, const TriangleLeaf8& leaf) {
+  LeafMasks masks;
+  for (int lane = 0; lane < 8; ++lane) {
+    if (leaf.primitive[lane] == no_index) continue;
+    const auto [e, bound] = filter_triangle(*lanes.ray, leaf, lane);
+    const bool some_above = e[0] > bound || e[1] > bound || e[2] > bound;
+    const bool some_below = e[0] < -bound || e[1] < -bound || e[2] < -bound;
+    const bool all_above = e[0] > bound && e[1] > bound && e[2] > bound;
+    const bool all_below = e[0] < -bound && e[1] < -bound && e[2] < -bound;
+    masks.possible |= uint32_t{!(some_above && some_below)} << lane;
+    masks.certain |= uint32_t{all_above || all_below} << lane;
+  }
+  return masks;
+}
+
+}  // namespace rayloom::accel::scalar
