@@ -16,12 +16,17 @@ endif()
 file(MAKE_DIRECTORY ${PROJECT_BINARY_DIR}/include)
 file(CREATE_LINK ${PROJECT_SOURCE_DIR} ${PROJECT_BINARY_DIR}/include/rayloom SYMBOLIC)
 
+include(GNUInstallDirs)
+
 add_library(rayloom_options INTERFACE)
 add_library(rayloom::options ALIAS rayloom_options)
-target_include_directories(rayloom_options INTERFACE $<BUILD_INTERFACE:${PROJECT_BINARY_DIR}/include>)
+set_target_properties(rayloom_options PROPERTIES EXPORT_NAME options)
+target_include_directories(rayloom_options INTERFACE
+  $<BUILD_INTERFACE:${PROJECT_BINARY_DIR}/include> $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
 target_compile_features(rayloom_options INTERFACE cxx_std_20)
 # Contraction off: a multiply-add the source does not ask for would give other bits on another target (docs/numerics.md).
 target_compile_options(rayloom_options INTERFACE -ffp-contract=off -fno-math-errno)
+install(TARGETS rayloom_options EXPORT rayloom)
 
 add_library(rayloom_warnings INTERFACE)
 target_compile_options(rayloom_warnings INTERFACE
@@ -34,22 +39,64 @@ if(RAYLOOM_SANITIZE)
   add_link_options(-fsanitize=${RAYLOOM_SANITIZE})
 endif()
 
-# rayloom_library(<name> SOURCES ... PUBLIC <targets> PRIVATE <targets>): the static library rayloom::<name>.
+set(rayloom_installed_libraries base accel runtime hwmodel scenes shaders)
+
+# rayloom_library(<name> SOURCES ... PUBLIC <targets> PRIVATE <targets>): the static library rayloom::<name>. Those of the
+# six folders are installed with all their headers; anything else (what tools share) stays in the build tree.
 function(rayloom_library name)
   cmake_parse_arguments(arg "" "" "SOURCES;PUBLIC;PRIVATE" ${ARGN})
   add_library(rayloom_${name} STATIC ${arg_SOURCES})
   add_library(rayloom::${name} ALIAS rayloom_${name})
   set_target_properties(rayloom_${name} PROPERTIES EXPORT_NAME ${name})
   target_link_libraries(rayloom_${name} PUBLIC rayloom_options ${arg_PUBLIC} PRIVATE $<BUILD_INTERFACE:rayloom_warnings> ${arg_PRIVATE})
+  if(name IN_LIST rayloom_installed_libraries)
+    install(TARGETS rayloom_${name} EXPORT rayloom ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
+    install(DIRECTORY ${CMAKE_CURRENT_SOURCE_DIR}/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/rayloom/${name}
+      FILES_MATCHING PATTERN "*.h")
+  endif()
+endfunction()
+
+# The targets tests_<label> build every test program of a label, and nothing else.
+foreach(label unit oracle image slow tsan_smoke fuzz)
+  add_custom_target(tests_${label})
+endforeach()
+
+function(rayloom_label_test name)
+  set_tests_properties(${name} PROPERTIES LABELS "${ARGN}")
+  foreach(label IN LISTS ARGN)
+    if(TARGET tests_${label} AND TARGET ${name})
+      add_dependencies(tests_${label} ${name})
+    endif()
+  endforeach()
 endfunction()
 
 # rayloom_test(<name> SOURCES ... LINK <targets> LABELS ...): a Catch2 program, one ctest case a program.
+# Labels: unit (the default), oracle, image, slow, tsan_smoke, fuzz.
 function(rayloom_test name)
   cmake_parse_arguments(arg "" "" "SOURCES;LINK;LABELS" ${ARGN})
+  if(NOT arg_LABELS)
+    set(arg_LABELS unit)
+  endif()
   add_executable(${name} ${arg_SOURCES})
   target_link_libraries(${name} PRIVATE rayloom_options rayloom_warnings ${arg_LINK} rayloom_test_main)
   add_test(NAME ${name} COMMAND ${name})
-  if(arg_LABELS)
-    set_tests_properties(${name} PROPERTIES LABELS "${arg_LABELS}")
+  rayloom_label_test(${name} ${arg_LABELS})
+  set_tests_properties(${name} PROPERTIES ENVIRONMENT
+    "UBSAN_OPTIONS=print_stacktrace=1;TSAN_OPTIONS=suppressions=${PROJECT_SOURCE_DIR}/tools/cmake/tsan.supp")
+endfunction()
+
+# rayloom_fuzzer(<name> SOURCES ... LINK <targets> CORPUS <directory>): a libFuzzer program (preset fuzz), started from a
+# seed corpus, for a minute a run; what it finds stays in the build directory.
+function(rayloom_fuzzer name)
+  if(NOT RAYLOOM_SANITIZE MATCHES fuzzer)
+    return()
   endif()
+  cmake_parse_arguments(arg "" "CORPUS" "SOURCES;LINK" ${ARGN})
+  add_executable(${name} ${arg_SOURCES})
+  target_link_libraries(${name} PRIVATE rayloom_options rayloom_warnings ${arg_LINK} -fsanitize=fuzzer)
+  set(found ${CMAKE_CURRENT_BINARY_DIR}/${name}_found)
+  file(MAKE_DIRECTORY ${found})
+  add_test(NAME ${name}
+    COMMAND ${name} -max_total_time=60 -timeout=20 -artifact_prefix=${found}/ ${found} ${arg_CORPUS})
+  rayloom_label_test(${name} fuzz)
 endfunction()
