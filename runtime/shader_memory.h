@@ -1,0 +1,106 @@
+#pragma once
+
+// How shaders reach device memory. Views hold simulated addresses only; while a thread runs shaders, one thread-local
+// ShaderMemory translates them, so an address that is not committed memory reads as zeros and swallows stores instead
+// of crashing (ERR-06). When a tracer observes shaders every access is told to it; otherwise that costs one untaken
+// branch.
+
+#include <rayloom/runtime/tracer.h>
+
+#include <cstring>
+#include <type_traits>
+
+namespace rayloom {
+
+class Device;
+
+namespace detail {
+
+/// The lane whose shader is running, for a tracer that observes shaders.
+struct LaneObserver {
+  WarpTracer* tracer;
+  uint32_t lane;
+};
+
+inline constexpr uint32_t commit_granularity_log2 = 16;
+
+struct ShaderMemory {
+  uintptr_t base = 0;                  ///< host address = base + simulated address
+  uint64_t first = 0;                  ///< lowest simulated address
+  uint64_t bytes = 0;                  ///< 0 outside of a dispatch: nothing is reachable
+  const uint8_t* committed = nullptr;  ///< one flag a 64 KiB page
+  const LaneObserver* observer = nullptr;
+
+  /// Host pointer to `size` (1..64 KiB) committed bytes at `address`, else null.
+  std::byte* host(uint64_t address, uint64_t size) const {
+    const uint64_t offset = address - first;
+    if (offset >= bytes || !committed[offset >> commit_granularity_log2] ||
+        !committed[(offset + size - 1) >> commit_granularity_log2])
+      return nullptr;
+    return reinterpret_cast<std::byte*>(base + address);
+  }
+};
+
+inline thread_local constinit ShaderMemory shader_memory{};
+
+template <class T>
+T load(uint64_t address) {
+  static_assert(std::is_trivially_copyable_v<T> && sizeof(T) <= 65536);
+  T value{};
+  const ShaderMemory& memory = shader_memory;
+  if (const std::byte* host = memory.host(address, sizeof(T))) {
+    if (memory.observer) [[unlikely]]
+      memory.observer->tracer->access(memory.observer->lane, AccessKind::load, address, sizeof(T), nullptr);
+    std::memcpy(static_cast<void*>(&value), host, sizeof(T));
+  }
+  return value;
+}
+
+template <class T>
+void store(uint64_t address, const T& value) {
+  static_assert(std::is_trivially_copyable_v<T> && sizeof(T) <= 65536);
+  const ShaderMemory& memory = shader_memory;
+  if (std::byte* host = memory.host(address, sizeof(T))) {
+    if (memory.observer) [[unlikely]]
+      memory.observer->tracer->access(memory.observer->lane, AccessKind::store, address, sizeof(T), &value);
+    std::memcpy(host, static_cast<const void*>(&value), sizeof(T));
+  }
+}
+
+/// What operator[] of a writable view gives: reads load, assignments store.
+template <class T>
+class ElementReference {
+ public:
+  explicit ElementReference(uint64_t address) : address_(address) {}
+  ElementReference(const ElementReference&) = default;
+
+  operator T() const { return address_ ? load<T>(address_) : T{}; }
+  const ElementReference& operator=(const T& value) const {
+    if (address_) store(address_, value);
+    return *this;
+  }
+  const ElementReference& operator=(const ElementReference& other) const { return *this = static_cast<T>(other); }
+  const ElementReference& operator+=(const T& value) const { return *this = static_cast<T>(*this) + value; }
+  const ElementReference& operator-=(const T& value) const { return *this = static_cast<T>(*this) - value; }
+  const ElementReference& operator*=(const T& value) const { return *this = static_cast<T>(*this) * value; }
+  uint64_t address() const { return address_; }
+
+ private:
+  uint64_t address_;  // 0: out of range, loads give zeros and stores are dropped
+};
+
+}  // namespace detail
+
+/// Makes views usable on this thread outside of a dispatch, for tests and host-side helpers.
+class ShaderMemoryScope {
+ public:
+  explicit ShaderMemoryScope(const Device& device);
+  ~ShaderMemoryScope() { detail::shader_memory = outer_; }
+  ShaderMemoryScope(const ShaderMemoryScope&) = delete;
+  ShaderMemoryScope& operator=(const ShaderMemoryScope&) = delete;
+
+ private:
+  detail::ShaderMemory outer_;
+};
+
+}  // namespace rayloom
