@@ -17,10 +17,7 @@ float log2(float x) noexcept { return Sleef_cinz_log2f1_u10purec(x); }
 float cbrt(float x) noexcept { return Sleef_cinz_cbrtf1_u10purec(x); }
 float atan2(float y, float x) noexcept { return Sleef_cinz_atan2f1_u10purec(y, x); }
 float pow(float base, float exponent) noexcept { return Sleef_cinz_powf1_u10purec(base, exponent); }
-SinCos<float> sincos(float x) noexcept {
-  const Sleef_float_2 both = Sleef_cinz_sincosf1_u10purec(x);
-  return {both.x, both.y};
-}
+SinCos<float> sincos(float x) noexcept { return {sin(x), cos(x)}; }
 
 double sin(double x) noexcept { return Sleef_cinz_sind1_u10purec(x); }
 double cos(double x) noexcept { return Sleef_cinz_cosd1_u10purec(x); }
@@ -35,9 +32,6 @@ double log2(double x) noexcept { return Sleef_cinz_log2d1_u10purec(x); }
 double cbrt(double x) noexcept { return Sleef_cinz_cbrtd1_u10purec(x); }
 double atan2(double y, double x) noexcept { return Sleef_cinz_atan2d1_u10purec(y, x); }
 double pow(double base, double exponent) noexcept { return Sleef_cinz_powd1_u10purec(base, exponent); }
-SinCos<double> sincos(double x) noexcept {
-  const Sleef_double_2 both = Sleef_cinz_sincosd1_u10purec(x);
-  return {both.x, both.y};
-}
+SinCos<double> sincos(double x) noexcept { return {sin(x), cos(x)}; }
 
 }  // namespace rayloom::det

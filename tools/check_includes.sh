@@ -56,11 +56,11 @@ for folder in "${folders[@]}"; do
   done < <(includes_of "$folder")
 done
 
+# shellcheck disable=SC2016  # the backquotes are Markdown
 if [[ -e README.md ]]; then
   while IFS=: read -r line path; do
     path=${path//\`/}
     compgen -G "$path*" > /dev/null || report "README.md:$line: no such file: $path"
-  # shellcheck disable=SC2016  # backquotes of Markdown
   done < <(grep -onE '`(base|accel|runtime|hwmodel|scenes|shaders|tools|tests|docs)/[A-Za-z0-9_./-]+`' README.md || true)
 fi
 
