@@ -53,10 +53,10 @@ struct PreparedRay {
 ///
 /// No box holding an exact hit with t_min < t is ever missed. Hits are exact for the ray as given, so pad_scale is 1
 /// where primitives are tested against this very ray. In a top-level structure primitives are tested against rounded
-/// copies of the ray; there pad_scale is 1 + kappa, with kappa >= max over the instances of |M| * |M^-1| (infinity
-/// norms of the 3x3 parts of the object-to-world matrix and of its stored inverse, rounded up), and the builder must
-/// have enlarged every instance's world box by 2^-22 * |M| * (largest absolute coordinate of the instance's
-/// object-space bounds) on each side, besides rounding the transformed corners outward.
+/// copies of the ray; there pad_scale is 1 + kappa, with kappa >= |M| |W| + 2^24 |M W - I| for every instance (M its
+/// object-to-world 3x3 part, W the stored inverse, infinity norms, rounded up), and the builder must have enlarged
+/// every instance's world box by 2^-22 |M| b on each side, b the largest absolute coordinate of the instance's
+/// object-space bounds, besides rounding the transformed corners outward.
 PreparedRay prepare_ray(const Ray& ray, const float bounds_min[3], const float bounds_max[3], float pad_scale = 1);
 
 }  // namespace rayloom::accel
