@@ -1,6 +1,7 @@
 #include <rayloom/base/csv.h>
 
 #include <fmt/format.h>
+
 #include <stdexcept>
 
 namespace rayloom {

@@ -11,10 +11,10 @@ struct SinCos {
   T sin, cos;
 };
 
-// Each result is within 1 ulp of the real value over the whole range of the type, and within 1.25 where it is below four
-// times the smallest normal number (SLEEF's u10 family; det_math_test.cpp measures it against MPFR), with the special
-// values of C's Annex F. The double exp and pow overflow to infinity a little early, from 2e-6 below the largest number.
-// sincos(x) is {sin(x), cos(x)}.
+// Each result is within 1 ulp of the real value over the whole range of the type, and within 1.25 where it is below
+// four times the smallest normal number (SLEEF's u10 family; det_math_test.cpp measures it against MPFR), with the
+// special values of C's Annex F. The double exp and pow overflow to infinity a little early, from 2e-6 below the
+// largest number. sincos(x) is {sin(x), cos(x)}.
 float sin(float radians) noexcept;
 float cos(float radians) noexcept;
 SinCos<float> sincos(float radians) noexcept;

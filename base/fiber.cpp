@@ -1,11 +1,13 @@
 #include <rayloom/base/fiber.h>
+
 #include <rayloom/base/float_environment.h>
 
 #include <boost/context/detail/fcontext.hpp>
-#include <cstdint>
-#include <new>
 #include <sys/mman.h>
 #include <unistd.h>
+
+#include <cstdint>
+#include <new>
 
 #if __has_include(<valgrind/valgrind.h>)
 #include <valgrind/valgrind.h>

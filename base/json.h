@@ -4,6 +4,7 @@
 // nothing but whole documents reaches a file.
 
 #include <nlohmann/json.hpp>
+
 #include <string>
 #include <string_view>
 

@@ -2,17 +2,22 @@
 
 #include <rayloom/base/float_environment.h>
 
+#include <tbb/global_control.h>
+#include <tbb/info.h>
+#include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
+#include <tbb/task_group.h>
+
 #include <algorithm>
 #include <atomic>
 #include <exception>
 #include <limits>
 #include <mutex>
 #include <optional>
-#include <tbb/global_control.h>
-#include <tbb/info.h>
-#include <tbb/parallel_for.h>
-#include <tbb/task_arena.h>
-#include <tbb/task_group.h>
+
+#if RAYLOOM_TSAN
+#include <sanitizer/tsan_interface.h>
+#endif
 
 namespace rayloom {
 
@@ -34,6 +39,19 @@ struct detail::ThreadArena {
 };
 
 namespace {
+
+// ThreadSanitizer cannot see into TBB's library, so this file is compiled without it and says itself which work comes
+// before which: what released an address happens before what acquires it afterwards.
+void tsan_release([[maybe_unused]] void* address) {
+#if RAYLOOM_TSAN
+  __tsan_release(address);
+#endif
+}
+void tsan_acquire([[maybe_unused]] void* address) {
+#if RAYLOOM_TSAN
+  __tsan_acquire(address);
+#endif
+}
 
 /// The innermost limit. TBB takes the smallest of all living global_controls, so there is only one, remade on change.
 class Parallel {
@@ -105,15 +123,19 @@ void detail::parallel_chunks(uint64_t count, uint64_t grain, ChunkFunction funct
     state.mark_thread();
     const FloatEnvironment environment;
     const uint64_t begin = chunk * grain;
+    tsan_acquire(body);
     try {
       // Isolated: a thread waiting for a loop or group inside this chunk must not pick up another chunk of ours.
       tbb::this_task_arena::isolate([&] { function(body, begin, begin + std::min(grain, count - begin)); });
     } catch (...) {
       errors.keep(chunk, std::current_exception());
     }
+    tsan_release(&errors);
   };
   const uint64_t chunks = (count - 1) / grain + 1;
+  tsan_release(body);
   state.arena.execute([&] { tbb::parallel_for(uint64_t{0}, chunks, run_chunk); });
+  tsan_acquire(&errors);
   errors.rethrow();
 }
 
@@ -133,18 +155,22 @@ TaskGroup::~TaskGroup() {
 
 void TaskGroup::run_task(TaskFunction call, TaskFunction destroy, void* task) {
   const std::shared_ptr<void> owned(task, destroy);
-  auto& limit = state_->limit;
-  limit.arena.execute([&] {
-    state_->group.run([owned, call, &limit] {
-      limit.mark_thread();
+  auto& state = *state_;
+  tsan_release(task);
+  state.limit.arena.execute([&] {
+    state.group.run([owned, call, &state] {
+      state.limit.mark_thread();
       const FloatEnvironment environment;
+      tsan_acquire(owned.get());
       call(owned.get());
+      tsan_release(&state);
     });
   });
 }
 
 void TaskGroup::wait() {
   state_->limit.arena.execute([&] { state_->group.wait(); });
+  tsan_acquire(state_.get());
 }
 
 }  // namespace rayloom

@@ -1,15 +1,16 @@
 #include <rayloom/base/progress.h>
 
+#include <fmt/format.h>
+#include <sys/ioctl.h>
+#include <unistd.h>
+
 #include <algorithm>
 #include <array>
 #include <atomic>
 #include <chrono>
 #include <cstdlib>
 #include <cstring>
-#include <fmt/format.h>
 #include <mutex>
-#include <sys/ioctl.h>
-#include <unistd.h>
 #include <utility>
 
 namespace rayloom {

@@ -3,9 +3,10 @@
 #include <rayloom/base/hash.h>
 
 #include <catch2/catch.hpp>
+#include <mpfr.h>
+
 #include <cmath>
 #include <limits>
-#include <mpfr.h>
 #include <string>
 #include <vector>
 

@@ -3,6 +3,7 @@
 #include <rayloom/base/float_environment.h>
 
 #include <catch2/catch.hpp>
+
 #include <cstdint>
 #include <stdexcept>
 #include <thread>

@@ -1,6 +1,7 @@
 #include <rayloom/base/float_environment.h>
 
 #include <catch2/catch.hpp>
+
 #include <cfenv>
 #include <limits>
 

@@ -1,7 +1,8 @@
 #include <rayloom/base/parallel.h>
 
-#include <atomic>
 #include <catch2/catch.hpp>
+
+#include <atomic>
 #include <cfenv>
 #include <chrono>
 #include <memory>
