@@ -69,7 +69,8 @@ struct InstanceDesc {
 };
 static_assert(sizeof(InstanceDesc) == 64);
 
-/// Memory a build needs. Depends on counts and flags only, never on the data (PB-03), and grows with the counts (PB-04).
+/// Memory a build needs. Depends on counts and flags only, never on the data (PB-03), and grows with the counts
+/// (PB-04).
 struct BuildSizes {
   uint64_t result_bytes = 0;
   uint64_t scratch_bytes = 0;  ///< 0: builders take their scratch from the heap and return it

@@ -1,8 +1,8 @@
 #pragma once
 
-// The bytes of a structure. Everything refers to everything else by a 32-bit reference that counts 32-byte granules from
-// the block's start, so a block can be moved; 31 bits of granules reach 64 GiB. The hardware model walks these same bytes
-// at their simulated addresses.
+// The bytes of a structure. Everything refers to everything else by a 32-bit reference that counts 32-byte granules
+// from the block's start, so a block can be moved; 31 bits of granules reach 64 GiB. The hardware model walks these
+// same bytes at their simulated addresses.
 
 #include <cstddef>
 #include <cstdint>
@@ -47,8 +47,8 @@ struct alignas(32) InstanceRecord {
   double world_to_object[3][4];
   float object_to_world[3][4];  ///< as given
   uint64_t bottom_level_address;
-  uint32_t instance_index;  ///< position in the build's array (SV-27)
-  uint32_t id_and_mask;     ///< 24-bit InstanceID, mask in the top 8 bits
+  uint32_t instance_index;          ///< position in the build's array (SV-27)
+  uint32_t id_and_mask;             ///< 24-bit InstanceID, mask in the top 8 bits
   uint32_t contribution_and_flags;  ///< 24-bit contribution to the hit group index, instance_flag bits in the top 8
   uint32_t reserved;
 };

@@ -21,15 +21,17 @@ struct Candidate {
   uint32_t instance_index;  ///< 0 when a bottom-level structure is traced directly
   uint32_t geometry_index;
   uint32_t primitive_index;
-  float t, u, v;             ///< triangle only
-  uint32_t hit_kind;         ///< triangle only: 254 front, 255 back
-  bool opaque;               ///< procedural only: resolved from geometry, instance and ray flags (OP rows)
-  float t_current;           ///< t of the closest committed hit, the ray's t_max before any
+  float t, u, v;              ///< triangle only
+  uint32_t hit_kind;          ///< triangle only: 254 front, 255 back
+  bool opaque;                ///< procedural only: resolved from geometry, instance and ray flags (OP rows)
+  float t_current;            ///< t of the closest committed hit, the ray's t_max before any
+  bool wins_ties;             ///< procedural only: whether a report at exactly t_current counts (G3b: it does not when
+                              ///< the committed hit is a procedural primitive of a larger name)
   const std::byte* instance;  ///< InstanceRecord of layout.h, null when a bottom level is traced directly
 };
 
 /// What the caller decides. A triangle is committed as it stands; a procedural primitive at `t` with `hit_kind`,
-/// which must satisfy t_min <= t <= t_current.
+/// which must satisfy t_min <= t <= t_current (t < t_current unless wins_ties); any other t commits nothing.
 struct Verdict {
   bool commit = false;
   bool end_search = false;  ///< after the commit, if any
@@ -60,7 +62,8 @@ void trace(AddressSpace addresses, std::span<const TraceRequest> requests, std::
 enum class Isa : uint8_t { scalar, avx2, avx512 };
 std::string_view isa_name(Isa isa);
 bool isa_supported(Isa isa);
-/// The one in use: the fastest supported, unless set_isa() chose another (process wide; throws InputError if unsupported).
+/// The one in use: the fastest supported, unless set_isa() chose another (process wide; throws InputError if
+/// unsupported).
 Isa current_isa();
 void set_isa(Isa isa);
 

@@ -1,0 +1,34 @@
+#pragma once
+
+// The one intermediate every builder produces and every node format is made from.
+
+#include <rayloom/accel/primitive_ref.h>
+
+#include <span>
+#include <vector>
+
+namespace rayloom::accel {
+
+/// The left child lies in the next slot, the right one in slot `right`.
+struct BinaryNode {
+  Box box;
+  uint32_t first = 0, count = 0;  ///< the range of primitives below
+  uint32_t right = 0;             ///< 0: a leaf
+
+  bool is_leaf() const { return right == 0; }
+};
+
+/// Slot 0 is the root. Slots are numbered by position, so some stay unused (count 0).
+using BinaryTree = std::vector<BinaryNode>;
+
+struct BinaryBuildOptions {
+  uint32_t leaf_size = 8;    ///< a range of at most this many primitives is one leaf
+  uint64_t leaf_budget = 1;  ///< the tree has at most this many leaves; at least primitives / leaf_size, rounded up
+};
+
+/// Splits by binned SAH, and in halves where depth or the budget leaves no choice. Reorders `refs` (not empty, at most
+/// 2^29) so that each leaf is a range of them, sorted by name. Every decision depends on the set of primitives in a
+/// range, never on their order, hence the result not on the number of threads.
+BinaryTree build_binary_tree(std::span<PrimitiveRef> refs, const BinaryBuildOptions& options);
+
+}  // namespace rayloom::accel

@@ -1,0 +1,48 @@
+#pragma once
+
+// What a ray's flags, an instance's and a geometry's make of a primitive that is hit: checklist rows OP, RF and CU.
+
+#include <rayloom/accel/build_input.h>
+#include <rayloom/accel/layout.h>
+#include <rayloom/accel/ray.h>
+
+#include <cstddef>
+
+namespace rayloom::accel {
+
+enum class Outcome : uint8_t { commit, ask, cull };
+
+/// Opacity is resolved in the order of Q-18: geometry, instance, ray, then culling. Where flags that exclude each other
+/// come together, force_opaque wins (RF-19).
+inline Outcome resolve_opacity(bool opaque, uint32_t instance_flags, uint32_t ray_flags) {
+  if (instance_flags & instance_flag::force_non_opaque) opaque = false;
+  if (instance_flags & instance_flag::force_opaque) opaque = true;
+  if (ray_flags & ray_flag::force_non_opaque) opaque = false;
+  if (ray_flags & ray_flag::force_opaque) opaque = true;
+  if (ray_flags & (opaque ? ray_flag::cull_opaque : ray_flag::cull_non_opaque)) return Outcome::cull;
+  return opaque ? Outcome::commit : Outcome::ask;
+}
+
+/// Rules of one ray inside one instance, made once on entry.
+struct InstanceRules {
+  uint32_t instance_index;
+  const std::byte* instance;  ///< its record; null when a bottom level is traced directly
+  Outcome outcome[2];         ///< by the geometry's opaque flag
+  bool swap_facing;
+  bool culled_facing[2];  ///< by "is front"
+
+  InstanceRules(uint32_t index, uint32_t instance_flags, uint32_t ray_flags, const std::byte* record)
+      : instance_index(index), instance(record) {
+    for (const bool opaque : {false, true}) outcome[opaque] = resolve_opacity(opaque, instance_flags, ray_flags);
+    const bool cull = !(instance_flags & instance_flag::triangle_cull_disable);
+    swap_facing = instance_flags & instance_flag::triangle_front_counterclockwise;
+    culled_facing[false] = cull && (ray_flags & ray_flag::cull_back_facing_triangles);
+    culled_facing[true] = cull && (ray_flags & ray_flag::cull_front_facing_triangles);
+  }
+
+  Outcome outcome_of(uint32_t geometry_word) const { return outcome[geometry_word >> 24 & geometry_flag::opaque]; }
+};
+
+inline constexpr uint32_t geometry_index(uint32_t geometry_word) { return geometry_word & 0xFFFFFFu; }
+
+}  // namespace rayloom::accel

@@ -1,0 +1,26 @@
+#pragma once
+
+#include <rayloom/accel/build_input.h>
+#include <rayloom/accel/primitive_ref.h>
+
+#include <optional>
+#include <vector>
+
+namespace rayloom::accel {
+
+/// Three corners as the build sees them, the geometry's transform applied.
+struct InputTriangle {
+  float vertex[3][3];
+};
+
+/// Triangle `triangle` of a geometry that check_geometries() accepts, its indices in range.
+InputTriangle read_triangle(const TriangleGeometry& geometry, uint32_t triangle);
+
+/// References to the triangles that go into leaves. Left out are
+///  - inactive triangles: NaN in the x of any vertex (PR-01, PR-03), and, by our policy for PR-07 and BI-26, NaN or an
+///    infinity in any coordinate;
+///  - triangles with two equal vertices, which nothing can hit (PR-10), unless `keep_degenerate`.
+/// Throws InputError for an index out of range.
+std::vector<PrimitiveRef> triangle_refs(std::span<const TriangleGeometry> geometries, bool keep_degenerate);
+
+}  // namespace rayloom::accel
