@@ -5,6 +5,7 @@
 #include <rayloom/runtime/tracer.h>
 
 #include <cstdint>
+#include <string_view>
 #include <vector>
 
 namespace rayloom {
@@ -32,7 +33,7 @@ struct DispatchStatistics {
 };
 
 struct DispatchReport {
-  bool skipped = false;  ///< by a rule the validation layer names (DR-03, DR-06) or a zero dimension (DR-02)
+  std::string_view skipped_by;  ///< the rule by which nothing ran (DR-02, DR-03, DR-06, ST-02); empty: it ran
   ExecutionMode mode = ExecutionMode::direct;  ///< the one used
   uint32_t warp_size = 0;
   uint64_t warps = 0;

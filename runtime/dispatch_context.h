@@ -1,0 +1,31 @@
+#pragma once
+
+// What all warps of a running dispatch share.
+
+#include <rayloom/runtime/command_list.h>
+#include <rayloom/runtime/device_memory.h>
+#include <rayloom/runtime/dispatch.h>
+#include <rayloom/runtime/pipeline.h>
+#include <rayloom/runtime/structure_cache.h>
+#include <rayloom/runtime/validation_log.h>
+
+namespace rayloom::detail {
+
+struct DispatchContext {
+  const DispatchCommand& command;
+  const Pipeline& pipeline;
+  const DeviceMemory& memory;
+  ShaderMemory shader_memory;
+  Tracer& tracer;
+  StructureCache& structures;
+  ValidationLog& log;
+  ExecutionMode mode;  // warp or direct
+  uint32_t warp_size;
+  uint64_t fiber_stack_bytes;
+  bool observed;  // the tracer wants to see shaders
+
+  const DISPATCH_RAYS_DESC& desc() const { return command.desc; }
+  uint64_t thread_count() const { return uint64_t{desc().Width} * desc().Height * desc().Depth; }
+};
+
+}  // namespace rayloom::detail

@@ -1,0 +1,25 @@
+#pragma once
+
+// Shader tables are raw bytes: finds a record by index and the shader its identifier names.
+
+#include <rayloom/runtime/lane.h>
+
+namespace rayloom::detail {
+
+struct SelectedRecord {
+  const Export* target = nullptr;  ///< null: the NULL identifier, or nothing that could run (ST-14..16, ST-18, ST-19)
+  ShaderRecord record;
+};
+
+/// The index of ST-07 with the maskings of ST-08. At most 2^28 - 1 for legal input, computed in 64 bits (ST-12).
+constexpr uint64_t hit_group_index(uint32_t ray_contribution, uint32_t geometry_multiplier, uint32_t geometry_index,
+                                   uint32_t instance_contribution) {
+  return uint64_t{ray_contribution & 0xFu} + uint64_t{geometry_multiplier & 0xFu} * geometry_index +
+         (instance_contribution & 0xFFFFFFu);
+}
+
+/// A record must name an export of this kind; anything else counts as NULL and is reported.
+SelectedRecord select_record(const Lane& lane, const GPU_VIRTUAL_ADDRESS_RANGE_AND_STRIDE& table, uint64_t index,
+                             ExportKind kind);
+
+}  // namespace rayloom::detail

@@ -1,0 +1,109 @@
+#include <rayloom/accel/build.h>
+#include <rayloom/accel/ray.h>
+#include <rayloom/base/error.h>
+#include <rayloom/runtime/structure_cache.h>
+
+#include <cinttypes>
+#include <cstdio>
+
+namespace rayloom::detail {
+namespace {
+
+std::string hexadecimal(uint64_t address) {
+  char text[32];
+  std::snprintf(text, sizeof(text), "0x%" PRIx64, address);
+  return text;
+}
+
+/// Finds out what lies at an address and whether it can be traced.
+class Inspector {
+ public:
+  Inspector(const DeviceMemory& memory, uint64_t address) : memory_(memory), address_(address) {}
+
+  TopLevel inspect() {
+    if (const accel::StructureHeader* header = structure_at(address_)) {
+      if (header->kind != accel::StructureKind::instances)
+        reject("TL-12", "the structure at " + hexadecimal(address_) + " is a bottom level");
+      else
+        collect(*header);
+    } else {
+      reject("TL-12", "there is no acceleration structure at " + hexadecimal(address_));
+    }
+    if (result_.problem.empty())
+      result_.block = memory_.host(address_);
+    else
+      result_.instances.clear();
+    return std::move(result_);
+  }
+
+ private:
+  void reject(std::string_view row, std::string problem) {
+    if (!result_.problem.empty()) return;
+    result_.row = row;
+    result_.problem = std::move(problem);
+  }
+
+  /// The header of a whole structure in committed memory, else null.
+  const accel::StructureHeader* structure_at(uint64_t address) const {
+    if (address % accel::structure_alignment != 0 || !memory_.holds(address, sizeof(accel::StructureHeader)))
+      return nullptr;
+    const auto* header = reinterpret_cast<const accel::StructureHeader*>(memory_.host(address));
+    try {
+      accel::structure_info(memory_.host(address));
+    } catch (const InputError&) {
+      return nullptr;
+    }
+    return memory_.holds(address, header->bytes) ? header : nullptr;
+  }
+
+  /// Walks the tree; every reference must stay inside the block.
+  void collect(const accel::StructureHeader& header) {
+    result_.instances.resize(header.primitive_count);
+    if (header.root != accel::no_index) pending_.push_back(header.root);
+    for (uint64_t visited = 0; !pending_.empty() && result_.problem.empty(); ++visited) {
+      const uint32_t ref = pending_.back();
+      pending_.pop_back();
+      const uint64_t size = accel::node_ref::is_leaf(ref) ? sizeof(accel::InstanceRecord) : sizeof(accel::Node8);
+      const uint64_t offset = accel::node_ref::offset(ref);
+      if (offset + size > header.bytes || visited > uint64_t{header.node_count} + header.leaf_count)
+        return reject("ERR-08", "the structure at " + hexadecimal(address_) + " is damaged");
+      const std::byte* const item = memory_.host(address_) + offset;
+      if (accel::node_ref::is_leaf(ref))
+        add(*reinterpret_cast<const accel::InstanceRecord*>(item));
+      else
+        push_children(*reinterpret_cast<const accel::Node8*>(item));
+    }
+  }
+
+  void push_children(const accel::Node8& node) {
+    for (int i = 0; i < 8; ++i)
+      if (node.bounds[0][0][i] <= node.bounds[0][1][i]) pending_.push_back(node.child[i]);
+  }
+
+  void add(const accel::InstanceRecord& record) {
+    if (record.instance_index >= result_.instances.size())
+      return reject("ERR-08", "the structure at " + hexadecimal(address_) + " is damaged");
+    const accel::StructureHeader* const bottom = structure_at(record.bottom_level_address);
+    if (!bottom || bottom->kind == accel::StructureKind::instances)
+      return reject("TL-11", "instance " + std::to_string(record.instance_index) + " of the structure at " +
+                                 hexadecimal(address_) + " refers to " + hexadecimal(record.bottom_level_address) +
+                                 ", where there is no bottom level any more");
+    result_.instances[record.instance_index] = &record;
+  }
+
+  const DeviceMemory& memory_;
+  uint64_t address_;
+  TopLevel result_;
+  std::vector<uint32_t> pending_;
+};
+
+}  // namespace
+
+const TopLevel& StructureCache::find(uint64_t address) {
+  const std::lock_guard lock(mutex_);
+  const auto found = entries_.find(address);
+  if (found != entries_.end()) return found->second;
+  return entries_.emplace(address, Inspector(memory_, address).inspect()).first->second;
+}
+
+}  // namespace rayloom::detail

@@ -1,0 +1,38 @@
+#pragma once
+
+// The top-level structures a dispatch traces: checked once, with a way from an instance's index to its record.
+
+#include <rayloom/accel/layout.h>
+#include <rayloom/runtime/device_memory.h>
+
+#include <cstdint>
+#include <map>
+#include <mutex>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace rayloom::detail {
+
+struct TopLevel {
+  const std::byte* block = nullptr;  ///< null: rays miss, for the reason `row` and `problem` give
+  std::string_view row;
+  std::string problem;
+  std::vector<const accel::InstanceRecord*> instances;  ///< by instance index; null for inactive ones
+};
+
+/// Thread-safe; lives as long as one dispatch, because structures may be rebuilt between two.
+class StructureCache {
+ public:
+  explicit StructureCache(const DeviceMemory& memory) : memory_(memory) {}
+
+  /// `address` is not 0. The reference stays valid as long as the cache.
+  const TopLevel& find(uint64_t address);
+
+ private:
+  const DeviceMemory& memory_;
+  std::map<uint64_t, TopLevel> entries_;
+  std::mutex mutex_;
+};
+
+}  // namespace rayloom::detail
