@@ -3,24 +3,20 @@
 // The exact evaluation behind triangle.h, in integers: rare, simple, and free of allocation.
 
 #include <rayloom/accel/prepared_ray.h>
+#include <rayloom/accel/sheared_triangle.h>
 #include <rayloom/accel/triangle.h>
 
 namespace rayloom::accel {
 
-/// The nine coordinates of a triangle, by vertex. All finite here.
-struct TriangleCorners {
-  const float* vertex[3];
-};
-
-/// Sign of the edge functions E01, E12, E20 after the symbolic shift of the ray: -1 or 1; 0 for a projected edge of
-/// zero length. `on_edge` tells where the unshifted function is zero.
+/// All coordinates must be finite. Sign of the edge functions E01, E12, E20 after the symbolic shift of the ray: -1 or
+/// 1; 0 for a projected edge of zero length. `on_edge` tells where the unshifted function is zero.
 struct ExactEdges {
   int sign[3];
   bool on_edge[3];
 };
 ExactEdges exact_edges(const PreparedRay& ray, const TriangleCorners& corners);
 
-/// t, u and v of a triangle that is hit, by exact quotients rounded to nearest even.
+/// t, u and v of a triangle that is hit, by exact quotients rounded to nearest even; NaN if it is edge-on.
 TriangleHit exact_hit(const PreparedRay& ray, const TriangleCorners& corners);
 
 }  // namespace rayloom::accel

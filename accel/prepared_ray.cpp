@@ -85,7 +85,7 @@ void prepare_boxes(PreparedRay& out, const Scale& scale, float pad_scale) {
   const double dominant = std::fabs(double{out.direction[out.axis[2]]});
   out.box_scale = power_of_two(exponent_of(dominant)) / scale.step;
   const double reach = std::max({scale.reach[0], scale.reach[1], scale.reach[2]});
-  const double transform_pad = pad_scale > 1 ? 4 * float_unit * (double{pad_scale} - 1) * reach : 0;
+  const double transform_pad = pad_scale > 1 ? 8 * float_unit * (double{pad_scale} - 1) * reach : 0;
   const double tiny_pad = 0x1p-147 * (scale.step + dominant);
   for (int k = 0; k < 3; ++k) prepare_axis(out, k, scale, transform_pad, tiny_pad);
 }

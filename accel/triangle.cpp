@@ -1,4 +1,5 @@
 #include <rayloom/accel/exact_triangle.h>
+#include <rayloom/accel/sheared_triangle.h>
 #include <rayloom/accel/triangle.h>
 
 #include <cmath>
@@ -6,46 +7,15 @@
 namespace rayloom::accel {
 namespace {
 
-constexpr double double_unit = 0x1p-53;
-
-/// The triangle in the ray's sheared frame, in double. docs/numerics.md, "The double filter", bounds every edge
-/// function's error by `bound`, which is finite exactly when every coordinate is.
-struct ShearedTriangle {
-  double edge[3];  ///< E01, E12, E20
-  double z[3];
-  double bound;
-};
-
-ShearedTriangle shear(const PreparedRay& ray, const TriangleCorners& corners) {
-  ShearedTriangle out;
-  double x[3], y[3];
-  for (int i = 0; i < 3; ++i) {
-    const float* vertex = corners.vertex[i];
-    const auto [kx, ky, kz] = ray.axis;
-    out.z[i] = double{vertex[kz]} - double{ray.origin[kz]};
-    x[i] = (double{vertex[kx]} - double{ray.origin[kx]}) - ray.shear_double[0] * out.z[i];
-    y[i] = (double{vertex[ky]} - double{ray.origin[ky]}) - ray.shear_double[1] * out.z[i];
-  }
-  for (int i = 0; i < 3; ++i) {
-    const int j = (i + 1) % 3;
-    out.edge[i] = x[i] * y[j] - y[i] * x[j];
-  }
-  const double extent =
-      std::fabs(x[0]) + std::fabs(y[0]) + std::fabs(x[1]) + std::fabs(y[1]) + std::fabs(x[2]) + std::fabs(y[2]);
-  const double depth = std::max({std::fabs(out.z[0]), std::fabs(out.z[1]), std::fabs(out.z[2])});
-  out.bound = double_unit * ((extent + 0x1p-49 * depth) * (1.625 * extent + 4.25 * depth));
-  return out;
-}
-
 /// -1, 1, or 0 where the filter cannot tell.
 int filtered_sign(double edge, double bound) { return edge > bound ? 1 : edge < -bound ? -1 : 0; }
 
-/// Replaces undecided signs by exact ones, and edge functions that are exactly zero by zero.
+/// Replaces undecided signs by exact ones and notes which edge functions are zero.
 bool settle(const PreparedRay& ray, const TriangleCorners& corners, int (&sign)[3], ShearedTriangle& sheared) {
   const ExactEdges exact = exact_edges(ray, corners);
   for (int i = 0; i < 3; ++i) {
     sign[i] = exact.sign[i];
-    if (exact.on_edge[i]) sheared.edge[i] = 0;
+    sheared.exactly_zero[i] = exact.on_edge[i];
   }
   return sign[0] != 0 && sign[0] == sign[1] && sign[1] == sign[2];
 }
@@ -98,8 +68,8 @@ std::optional<TriangleHit> finish(const PreparedRay& ray, const TriangleCorners&
   if (static_cast<float>(t + t_error) <= ray.t_min || static_cast<float>(t - t_error) > t_far) return std::nullopt;
 
   const Rounded ft = round(t, t_error);
-  const Rounded fu = e20 == 0 ? Rounded{0, true} : round(u, weight_error);
-  const Rounded fv = e01 == 0 ? Rounded{0, true} : round(v, weight_error);
+  const Rounded fu = sheared.exactly_zero[2] ? Rounded{0, true} : round(u, weight_error);
+  const Rounded fv = sheared.exactly_zero[0] ? Rounded{0, true} : round(v, weight_error);
   TriangleHit hit{ft.value, fu.value, fv.value, (area > 0) == (ray.direction[ray.axis[2]] < 0)};
   // Above one half the area's sign is in doubt too.
   if (!ft.known || !fu.known || !fv.known || weight_error > 0.5) hit = exact_hit(ray, corners);
@@ -112,7 +82,7 @@ std::optional<TriangleHit> finish(const PreparedRay& ray, const TriangleCorners&
 std::optional<TriangleHit> intersect_triangle(const PreparedRay& ray, const float v0[3], const float v1[3],
                                               const float v2[3], float t_far) {
   const TriangleCorners corners{{v0, v1, v2}};
-  ShearedTriangle sheared = shear(ray, corners);
+  ShearedTriangle sheared = shear_triangle(ray, corners);
   if (!all_finite(sheared) || !decide(ray, corners, sheared)) return std::nullopt;
   return finish(ray, corners, sheared, t_far);
 }
@@ -120,7 +90,7 @@ std::optional<TriangleHit> intersect_triangle(const PreparedRay& ray, const floa
 std::optional<TriangleHit> finish_triangle(const PreparedRay& ray, const float v0[3], const float v1[3],
                                            const float v2[3], float t_far) {
   const TriangleCorners corners{{v0, v1, v2}};
-  const ShearedTriangle sheared = shear(ray, corners);
+  const ShearedTriangle sheared = shear_triangle(ray, corners);
   if (!all_finite(sheared)) return std::nullopt;
   return finish(ray, corners, sheared, t_far);
 }

@@ -1,0 +1,91 @@
+#pragma once
+
+// Nodes and leaves of eight lanes, from ordinary to absurd.
+
+#include "triangle_cases.h"
+
+#include <rayloom/accel/layout.h>
+#include <rayloom/accel/prepared_ray.h>
+
+#include <vector>
+
+namespace rayloom::accel::test {
+
+struct NodeCase {
+  Node8 node;
+  PreparedRay ray;
+  uint32_t empty_lanes;
+};
+
+struct LeafCase {
+  TriangleLeaf8 leaf;
+  PreparedRay ray;
+  uint32_t unused_lanes;
+};
+
+/// One coordinate: ordinary, on a grid, of any finite size.
+inline float any_coordinate(Random& random, uint32_t style) {
+  if (style == 0) return random.uniform(-4, 4);
+  if (style == 1) return static_cast<float>(random.below(9)) - 4;
+  return style == 2 ? random.scaled(-149, 128) : random.any_finite();
+}
+
+inline Ray any_ray(Random& random, uint32_t style) {
+  Ray ray{{}, 0, {}, std::numeric_limits<float>::infinity()};
+  for (int k = 0; k < 3; ++k) {
+    ray.origin[k] = any_coordinate(random, style);
+    ray.direction[k] = random.chance(4) ? (random.chance(2) ? 0.0f : -0.0f) : any_coordinate(random, style);
+  }
+  if (random.chance(4)) ray.t_min = std::fabs(any_coordinate(random, style));
+  if (random.chance(4)) ray.t_max = ray.t_min + std::fabs(any_coordinate(random, style));
+  return ray;
+}
+
+inline NodeCase random_node_case(Random& random) {
+  NodeCase out{};
+  const uint32_t style = random.below(4);
+  float low[3], high[3];
+  std::fill_n(low, 3, std::numeric_limits<float>::infinity());
+  std::fill_n(high, 3, -std::numeric_limits<float>::infinity());
+  out.empty_lanes = static_cast<uint32_t>(random.bits() & random.bits() & 0xFF);
+  for (uint32_t lane = 0; lane < 8; ++lane) {
+    for (int k = 0; k < 3; ++k) {
+      const bool empty = (out.empty_lanes >> lane & 1) != 0;
+      const float a = any_coordinate(random, style), b = random.chance(8) ? a : any_coordinate(random, style);
+      out.node.bounds[k][0][lane] = empty ? std::numeric_limits<float>::infinity() : std::min(a, b);
+      out.node.bounds[k][1][lane] = empty ? -std::numeric_limits<float>::infinity() : std::max(a, b);
+      low[k] = std::min(low[k], out.node.bounds[k][0][lane]);
+      high[k] = std::max(high[k], out.node.bounds[k][1][lane]);
+    }
+  }
+  if (out.empty_lanes == 0xFF) std::fill_n(low, 3, 0.0f), std::fill_n(high, 3, 0.0f);
+  out.ray = prepare_ray(any_ray(random, style), low, high, random.chance(4) ? 1 + std::fabs(random.scaled(0, 30)) : 1);
+  return out;
+}
+
+inline LeafCase random_leaf_case(Random& random) {
+  LeafCase out{};
+  const Family family = all_families[random.below(static_cast<uint32_t>(all_families.size()))];
+  const Case first = random_case(random, family);
+  const float box[2][3] = {{-1, -1, -1}, {1, 1, 1}};
+  out.ray = prepare_ray(first.ray, box[0], box[1]);
+  out.unused_lanes = static_cast<uint32_t>(random.bits() & random.bits() & 0xFE);
+  for (uint32_t lane = 0; lane < 8; ++lane) {
+    const bool unused = (out.unused_lanes >> lane & 1) != 0;
+    const Case c = lane == 0 ? first : random_case(random, family);
+    const float poison =
+        random.chance(2) ? std::numeric_limits<float>::quiet_NaN() : std::numeric_limits<float>::infinity();
+    const bool poisoned = random.chance(20);
+    for (int vertex = 0; vertex < 3; ++vertex) {
+      for (int k = 0; k < 3; ++k) {
+        out.leaf.vertex[vertex][k][lane] = unused                         ? std::numeric_limits<float>::quiet_NaN()
+                                           : poisoned && random.chance(3) ? poison
+                                                                          : c.triangle[vertex][k];
+      }
+    }
+    out.leaf.primitive[lane] = unused ? no_index : lane;
+  }
+  return out;
+}
+
+}  // namespace rayloom::accel::test
