@@ -35,7 +35,8 @@ class Image {
   const std::string& name() const { return name_; }
   /// Decodes at the first call. InputError naming the image when it cannot be read; a later call throws again.
   const Pixels& pixels() const;
-  bool decoded() const { return ready_.load(std::memory_order_acquire); }
+  /// False until a pixel was asked for; always false for pixels made by a program.
+  bool decoded() const { return source_ != Source::pixels && ready_.load(std::memory_order_acquire); }
   /// Bytes now held: encoded and decoded.
   uint64_t memory_bytes() const;
 

@@ -1,0 +1,23 @@
+#pragma once
+
+// The procedural scenes, one file each. Each asks `parameters` for what it understands.
+
+#include <rayloom/scenes/procedural/parameters.h>
+#include <rayloom/scenes/scene.h>
+
+namespace rayloom::scenes {
+
+/// One triangle and a white sky. The smallest scene there is.
+Scene make_triangle(Parameters& parameters);
+
+/// A box of 2 m with red and green walls, two blocks and an area light, after Goral et al. 1984 and the Cornell box.
+Scene make_cornell(Parameters& parameters);
+
+/// 488 spheres on a ground sphere, in the manner of Shirley's "Ray Tracing in One Weekend", placed by our own hash.
+Scene make_spheres(Parameters& parameters);
+
+/// A courtyard with arcades on two floors: at least 400,000 triangles stored, over a million instanced.
+/// detail=1..4 (default 1): tessellation; triangles grow with its square.
+Scene make_atrium(Parameters& parameters);
+
+}  // namespace rayloom::scenes
