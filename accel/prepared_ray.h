@@ -29,9 +29,9 @@ struct PreparedRay {
   // Triangles: axis[2] is the axis of the largest direction component (the lowest of equals), axis[0] and axis[1]
   // follow it cyclically; x' = x - shear[0] * z, y' = y - shear[1] * z looks along the ray.
   uint32_t axis[3];
-  float shear[2];          ///< direction[axis[i]] / direction[axis[2]], rounded once
-  double shear_double[2];  ///< the same quotients in double
   double inverse_z;        ///< 1 / direction[axis[2]]
+  double shear_double[2];  ///< direction[axis[i]] * inverse_z
+  float shear[2];          ///< the same, rounded to float
 
   bool valid;  ///< false: the ray misses everything (TR-17, TR-18) and the other members mean nothing
 

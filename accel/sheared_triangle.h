@@ -43,7 +43,7 @@ inline ShearedTriangle shear_triangle(const PreparedRay& ray, const TriangleCorn
   const double extent =
       std::fabs(x[0]) + std::fabs(y[0]) + std::fabs(x[1]) + std::fabs(y[1]) + std::fabs(x[2]) + std::fabs(y[2]);
   const double depth = std::max({std::fabs(out.z[0]), std::fabs(out.z[1]), std::fabs(out.z[2])});
-  out.bound = double_unit * ((extent + 0x1p-49 * depth) * (1.625 * extent + 4.25 * depth));
+  out.bound = double_unit * ((extent + 0x1p-49 * depth) * (1.625 * extent + 5.25 * depth));
   return out;
 }
 
