@@ -39,6 +39,10 @@ if(RAYLOOM_SANITIZE)
   add_link_options(-fsanitize=${RAYLOOM_SANITIZE})
 endif()
 
+if(RAYLOOM_LINKER)
+  add_link_options(-fuse-ld=${RAYLOOM_LINKER})
+endif()
+
 set(rayloom_installed_libraries base accel runtime hwmodel scenes shaders)
 
 # rayloom_library(<name> SOURCES ... PUBLIC <targets> PRIVATE <targets>): the static library rayloom::<name>. Those of the
@@ -81,8 +85,7 @@ function(rayloom_test name)
   target_link_libraries(${name} PRIVATE rayloom_options rayloom_warnings ${arg_LINK} rayloom_test_main)
   add_test(NAME ${name} COMMAND ${name})
   rayloom_label_test(${name} ${arg_LABELS})
-  set_tests_properties(${name} PROPERTIES ENVIRONMENT
-    "UBSAN_OPTIONS=print_stacktrace=1;TSAN_OPTIONS=suppressions=${PROJECT_SOURCE_DIR}/tools/cmake/tsan.supp")
+  set_tests_properties(${name} PROPERTIES ENVIRONMENT UBSAN_OPTIONS=print_stacktrace=1)
 endfunction()
 
 # rayloom_fuzzer(<name> SOURCES ... LINK <targets> CORPUS <directory>): a libFuzzer program (preset fuzz), started from a
