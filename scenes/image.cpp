@@ -93,8 +93,10 @@ Pixels decode_bytes(const std::vector<std::byte>& bytes, const std::string& name
   const char* file = pretend_name(bytes);
   if (!file) throw InputError(name, "", "is neither PNG nor JPEG nor another image format we know");
   OIIO::Filesystem::IOMemReader memory(const_cast<std::byte*>(bytes.data()), bytes.size());
-  const OIIO::ImageSpec options = open_options();
-  const auto input = OIIO::ImageInput::open(file, &options, &memory);
+  OIIO::Filesystem::IOProxy* proxy = &memory;
+  OIIO::ImageSpec options = open_options();
+  options.attribute("oiio:ioproxy", OIIO::TypeDesc::PTR, &proxy);
+  const auto input = OIIO::ImageInput::open(file, &options);
   if (!input) throw InputError(name, "", "cannot be decoded: " + OIIO::geterror());
   return read_pixels(*input, name);
 }

@@ -25,13 +25,14 @@ using Transform3x4 = std::array<float, 12>;
 inline constexpr Transform3x4 identity_transform{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};
 
 inline constexpr uint32_t no_texture = ~0u;
+inline constexpr uint32_t no_image = ~0u;
 
 enum class Wrap : uint8_t { repeat, mirrored_repeat, clamp_to_edge };
 enum class Filter : uint8_t { nearest, linear };
 
 /// An image with a sampler. There are no mip levels; of glTF's filters the magnification filter counts.
 struct Texture {
-  uint32_t image = 0;
+  uint32_t image = 0;  ///< no_image: the file names none we can read, and no material refers to the texture
   Wrap wrap_u = Wrap::repeat;
   Wrap wrap_v = Wrap::repeat;
   Filter filter = Filter::linear;

@@ -31,10 +31,14 @@ Image import_image(const Importer& importer, size_t index) {
   return Image::from_file(resolve_uri(source.uri, document.directory, document.file, object));
 }
 
+bool has_image(const Importer& importer, const tinygltf::Texture& texture) {
+  return texture.source >= 0 && static_cast<size_t>(texture.source) < importer.document.images.size();
+}
+
 Texture import_texture(const Importer& importer, const tinygltf::Texture& source) {
   Texture texture;
   texture.name = source.name;
-  texture.image = source.source < 0 ? 0 : static_cast<uint32_t>(source.source);
+  texture.image = has_image(importer, source) ? static_cast<uint32_t>(source.source) : no_image;
   if (source.sampler < 0) return texture;
   const tinygltf::Sampler& sampler = importer.model().samplers[static_cast<size_t>(source.sampler)];
   texture.wrap_u = wrap_of(sampler.wrapS);
@@ -62,7 +66,13 @@ template <typename Info>
 TextureRef texture_ref(Importer& importer, const Info& info, const std::string& object) {
   TextureRef ref;
   if (info.index < 0) return ref;
-  if (importer.model().textures[static_cast<size_t>(info.index)].source < 0) {
+  const tinygltf::Texture& texture = importer.model().textures[static_cast<size_t>(info.index)];
+  if (texture.source >= 0 && !has_image(importer, texture)) {
+    importer.fail(fmt::format("textures[{}].source", info.index),
+                  fmt::format("index {} is out of range, the file has {} images", texture.source,
+                              importer.document.images.size()));
+  }
+  if (texture.source < 0) {
     importer.warn(fmt::format("textures[{}] has no image of a supported kind and is left out", info.index));
     return ref;
   }
@@ -127,6 +137,9 @@ void import_textures(Importer& importer) {
   }
   for (const tinygltf::Texture& texture : importer.model().textures) {
     importer.scene.textures.push_back(import_texture(importer, texture));
+    if (texture.source < 0 || has_image(importer, texture)) continue;
+    importer.warn(fmt::format("textures[{}].source: index {} is out of range, the file has {} images",
+                              importer.scene.textures.size() - 1, texture.source, importer.document.images.size()));
   }
 }
 

@@ -148,7 +148,7 @@ Geometry vault(uint32_t detail, float length, float width, uint32_t material) {
 
 Geometry drape(uint32_t detail, float width, float drop, uint32_t seed, uint32_t material) {
   Geometry geometry = part("drape", material);
-  Surface cloth{150 * detail, 150 * detail, false, {2, 2 * drop / width}, {}};
+  Surface cloth{164 * detail, 164 * detail, false, {2, 2 * drop / width}, {}};
   cloth.position = [=](float u, float v) {
     const float hang = 1 - v;
     const float sag = 0.28f * (1 - hang) * 4 * u * (1 - u) + 0.5f * hang * u * (1 - u);
@@ -209,7 +209,8 @@ Geometry ball(uint32_t detail, float radius, uint32_t material) {
   sphere.position = [radius](float u, float v) {
     const auto [s, c] = det::sincos(2 * pi * u);
     const auto [sv, cv] = det::sincos(pi * v);
-    return glm::vec3(radius * sv * s, radius * (1 - cv), radius * sv * c);
+    const float ring = v == 0 || v == 1 ? 0 : radius * sv;  // the poles are single points
+    return glm::vec3(ring * s, radius * (1 - cv), ring * c);
   };
   add_surface(geometry, sphere);
   return geometry;

@@ -35,12 +35,19 @@ void compute_vertices(Geometry& geometry, const Grid& grid, const Surface& surfa
   });
 }
 
+/// Where a row of a grid is a single point, half of its triangles have no area and are left out.
+void add_triangle(Geometry& geometry, uint32_t a, uint32_t b, uint32_t c) {
+  const auto& p = geometry.positions;
+  if (p[a] != p[b] && p[b] != p[c] && p[c] != p[a]) geometry.indices.insert(geometry.indices.end(), {a, b, c});
+}
+
 void add_triangles(Geometry& geometry, const Grid& grid) {
   for (uint32_t row = 0; row < grid.rows; ++row) {
     for (uint32_t column = 0; column < grid.columns; ++column) {
       const uint32_t a = grid.at(column, row), b = grid.at(column + 1, row);
       const uint32_t c = grid.at(column + 1, row + 1), d = grid.at(column, row + 1);
-      geometry.indices.insert(geometry.indices.end(), {a, b, c, a, c, d});
+      add_triangle(geometry, a, b, c);
+      add_triangle(geometry, a, c, d);
     }
   }
 }
