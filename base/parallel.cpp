@@ -14,6 +14,7 @@
 #include <limits>
 #include <mutex>
 #include <optional>
+#include <utility>
 
 #if RAYLOOM_TSAN
 #include <sanitizer/tsan_interface.h>
@@ -23,6 +24,19 @@ namespace rayloom {
 
 /// An arena of its own is what honours more threads than cores: TBB's implicit one is sized by the machine.
 struct detail::ThreadArena {
+  /// A thread at work for an arena: known to be in it, counted, and in the fixed float environment.
+  class Work {
+   public:
+    explicit Work(ThreadArena& arena) : outer_(std::exchange(current, &arena)) { arena.mark_thread(); }
+    ~Work() { current = outer_; }
+    Work(const Work&) = delete;
+    Work& operator=(const Work&) = delete;
+
+   private:
+    ThreadArena* outer_;
+    FloatEnvironment environment_;
+  };
+
   explicit ThreadArena(unsigned wanted)
       : threads(wanted != 0 ? wanted : static_cast<unsigned>(tbb::info::default_concurrency())),
         arena(static_cast<int>(threads)),
@@ -33,10 +47,21 @@ struct detail::ThreadArena {
     if (slot < threads && !seen[slot].load(std::memory_order_relaxed)) seen[slot].store(true);
   }
 
+  /// Runs `function` in the arena. Where it already runs in it, task_arena::execute would lift the isolation of the
+  /// chunk that calls (see run_chunk).
+  template <typename Function>
+  void execute(Function&& function) {
+    if (current == this) return function();
+    arena.execute(function);
+  }
+
+  static thread_local ThreadArena* current;
   unsigned threads;
   tbb::task_arena arena;
   std::unique_ptr<std::atomic<bool>[]> seen;
 };
+
+thread_local detail::ThreadArena* detail::ThreadArena::current = nullptr;
 
 namespace {
 
@@ -120,8 +145,7 @@ void detail::parallel_chunks(uint64_t count, uint64_t grain, ChunkFunction funct
   LowestError errors;
   const auto run_chunk = [&](uint64_t chunk) {
     if (errors.reached(chunk)) return;
-    state.mark_thread();
-    const FloatEnvironment environment;
+    const detail::ThreadArena::Work work(state);
     const uint64_t begin = chunk * grain;
     tsan_acquire(body);
     try {
@@ -134,7 +158,7 @@ void detail::parallel_chunks(uint64_t count, uint64_t grain, ChunkFunction funct
   };
   const uint64_t chunks = (count - 1) / grain + 1;
   tsan_release(body);
-  state.arena.execute([&] { tbb::parallel_for(uint64_t{0}, chunks, run_chunk); });
+  state.execute([&] { tbb::parallel_for(uint64_t{0}, chunks, run_chunk); });
   tsan_acquire(&errors);
   errors.rethrow();
 }
@@ -157,10 +181,9 @@ void TaskGroup::run_task(TaskFunction call, TaskFunction destroy, void* task) {
   const std::shared_ptr<void> owned(task, destroy);
   auto& state = *state_;
   tsan_release(task);
-  state.limit.arena.execute([&] {
+  state.limit.execute([&] {
     state.group.run([owned, call, &state] {
-      state.limit.mark_thread();
-      const FloatEnvironment environment;
+      const detail::ThreadArena::Work work(state.limit);
       tsan_acquire(owned.get());
       call(owned.get());
       tsan_release(&state);
@@ -169,7 +192,7 @@ void TaskGroup::run_task(TaskFunction call, TaskFunction destroy, void* task) {
 }
 
 void TaskGroup::wait() {
-  state_->limit.arena.execute([&] { state_->group.wait(); });
+  state_->limit.execute([&] { state_->group.wait(); });
   tsan_acquire(state_.get());
 }
 

@@ -121,17 +121,22 @@ TEST_CASE("a loop rethrows the exception of its lowest throwing chunk", "[parall
 }
 
 TEST_CASE("loops nest, and a thread waiting for an inner loop starts no other outer chunk", "[parallel]") {
-  const ThreadLimit limit(3);
+  const ThreadLimit limit(7);
   static thread_local int outer_depth = 0;
   std::atomic<int> deepest = 0;
   std::atomic<uint64_t> total = 0;
-  parallel_for(50, 1, [&](uint64_t outer, uint64_t) {
+  parallel_for(40, 1, [&](uint64_t outer, uint64_t) {
     if (++outer_depth > deepest) deepest = outer_depth;
-    parallel_for(50, 7, [&](uint64_t begin, uint64_t end) { total += outer * (end - begin); });
+    // Stolen inner chunks take longer, so that the outer chunk's thread waits while outer chunks are left.
+    const auto owner = std::this_thread::get_id();
+    parallel_for(4, 1, [&](uint64_t, uint64_t) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(std::this_thread::get_id() == owner ? 1 : 4));
+      total += outer;
+    });
     parallel_invoke([&] { ++total; }, [&] { ++total; });
     --outer_depth;
   });
-  CHECK(total == 50 * (49 * 50 / 2) + 100);
+  CHECK(total == 4 * (39 * 40 / 2) + 2 * 40);
   CHECK(deepest == 1);
 }
 
