@@ -2,13 +2,11 @@
 
 // A range of device memory that frees itself. The host reads and writes it directly; shaders see it through views.
 
-#include <rayloom/base/error.h>
 #include <rayloom/runtime/device_memory.h>
 #include <rayloom/runtime/texture_views.h>
 
 #include <memory>
 #include <span>
-#include <string>
 #include <utility>
 #include <vector>
 
@@ -39,18 +37,16 @@ class Buffer {
   std::span<T> as() const {
     return {reinterpret_cast<T*>(host().data()), bytes_ / sizeof(T)};
   }
-  /// Throws InputError when it does not fit.
+  /// Both throw InputError when the range does not fit.
   template <class T>
   void upload(std::span<const T> data, uint64_t byte_offset = 0) const {
-    check(byte_offset, data.size_bytes());
-    if (!data.empty())
-      std::memcpy(host().data() + byte_offset, static_cast<const void*>(data.data()), data.size_bytes());
+    write(byte_offset, data.data(), data.size_bytes());
   }
   template <class T>
   std::vector<T> download(uint64_t count, uint64_t byte_offset = 0) const {
     check(byte_offset, count * sizeof(T));
     std::vector<T> data(count);
-    if (count) std::memcpy(static_cast<void*>(data.data()), host().data() + byte_offset, count * sizeof(T));
+    read(byte_offset, data.data(), count * sizeof(T));
     return data;
   }
 
@@ -89,12 +85,9 @@ class Buffer {
   void release() noexcept {
     if (memory_) memory_->free(address_);
   }
-  void check(uint64_t offset, uint64_t size) const {
-    if (offset > bytes_ || size > bytes_ - offset)
-      throw InputError("Buffer", "",
-                       std::to_string(size) + " bytes at offset " + std::to_string(offset) + " do not fit into " +
-                           std::to_string(bytes_) + " bytes");
-  }
+  void check(uint64_t offset, uint64_t size) const;
+  void write(uint64_t offset, const void* data, uint64_t size) const;
+  void read(uint64_t offset, void* data, uint64_t size) const;
 
   std::shared_ptr<DeviceMemory> memory_;
   uint64_t address_ = 0;

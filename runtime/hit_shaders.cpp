@@ -1,7 +1,6 @@
 #include <rayloom/runtime/ray_frame.h>
 
 #include <cmath>
-#include <tuple>
 
 namespace rayloom::detail {
 namespace {
@@ -12,6 +11,7 @@ struct IntersectionInvocation : Invocation {
   const HitGroup* group = nullptr;
   Primitive* candidate = nullptr;
   bool opaque = false;
+  bool wins_ties = true;  // at the t committed before this invocation (G3b)
   bool accepted = false, ended = false;
   float accepted_t = 0;
   uint accepted_kind = 0;
@@ -89,27 +89,12 @@ accel::Verdict decide_procedural(RayFrame& frame, const accel::Candidate& candid
   invocation.group = group;
   invocation.candidate = &primitive;
   invocation.opaque = candidate.opaque;
+  invocation.wins_ties = candidate.wins_ties;
   run_shader(invocation, group->intersection, nullptr, nullptr);
   return {.commit = invocation.accepted,
           .end_search = invocation.ended,
           .t = invocation.accepted_t,
           .hit_kind = invocation.accepted_kind};
-}
-
-/// The later report replaces an equal one (EXT-03) within an invocation; between primitives the larger index wins, as
-/// accel has it (guarantee G3b), so a loser must not leave its attributes behind.
-void keep_attributes(IntersectionInvocation& self, float t, const void* attributes, const TypeInfo& type) {
-  CommittedProcedural& committed = self.frame->procedural;
-  const Primitive& own = *self.candidate;
-  const auto key = std::tuple(own.instance_index, own.geometry_index, own.primitive_index);
-  if (committed.any && committed.t == t &&
-      key < std::tuple(committed.instance_index, committed.geometry_index, committed.primitive_index))
-    return;
-  committed.any = true;
-  committed.t = t;
-  std::tie(committed.instance_index, committed.geometry_index, committed.primitive_index) = key;
-  committed.attributes.type = type;
-  std::memcpy(committed.attributes.bytes, attributes, type.bytes);
 }
 
 /// True when DXR lets the report be looked at (IS-04, IS-12, IS-18).
@@ -125,7 +110,8 @@ bool is_reportable(const IntersectionInvocation& self, float t, uint hit_kind) {
     });
     return false;
   }
-  return self.frame->desc.TMin <= t && t <= self.t_current;
+  const bool takes_equal = self.accepted || self.wins_ties;
+  return self.frame->desc.TMin <= t && (takes_equal ? t <= self.t_current : t < self.t_current);
 }
 
 /// Any-hit for a reported hit, seeing its t and hit kind; ray and record are the intersection shader's (RS-03).
@@ -134,8 +120,7 @@ HitDecision judge_report(IntersectionInvocation& self, float t, uint hit_kind, c
   if (self.opaque) return HitDecision::accept;
   Primitive primitive = *self.candidate;
   primitive.hit_kind = hit_kind;
-  ReportedAttributes copy;
-  std::memcpy(copy.bytes, attributes, type.bytes);
+  const ReportedAttributes copy(attributes, type);
   Invocation invocation{self.lane, self.ray, &primitive, t, self.record};
   return run_any_hit(invocation, *self.frame, *self.group, copy.bytes, type);
 }
@@ -150,7 +135,7 @@ ReportHitResult report_hit(Invocation& invocation, float t, uint hit_kind, const
   if (!is_reportable(self, t, hit_kind)) return VerdictAccess::report(false, false);
   const HitDecision decision = judge_report(self, t, hit_kind, attributes, type);
   if (decision == HitDecision::ignore) return VerdictAccess::report(false, false);
-  keep_attributes(self, t, attributes, type);
+  self.frame->reported = ReportedAttributes(attributes, type);
   self.t_current = t;
   self.accepted = true;
   self.accepted_t = t;

@@ -11,16 +11,13 @@ namespace rayloom::detail {
 
 /// Attributes of a procedural hit, copied at ReportHit (IS-11).
 struct ReportedAttributes {
+  ReportedAttributes() = default;
+  ReportedAttributes(const void* data, const TypeInfo& data_type) : type(data_type) {
+    std::memcpy(bytes, data, data_type.bytes);
+  }
+
   alignas(16) std::byte bytes[RAYTRACING_MAX_ATTRIBUTE_SIZE_IN_BYTES] = {};
   TypeInfo type;
-};
-
-/// The procedural hit committed last, by which ties are decided as accel decides them (docs/dxr-differences.md).
-struct CommittedProcedural {
-  bool any = false;
-  float t = 0;
-  uint instance_index = 0, geometry_index = 0, primitive_index = 0;
-  ReportedAttributes attributes;
 };
 
 struct RayFrame : ActiveRay {
@@ -30,8 +27,8 @@ struct RayFrame : ActiveRay {
   const TopLevel* scene = nullptr;
   void* payload = nullptr;
   TypeInfo payload_type;
-  CommittedProcedural procedural;
-  std::exception_ptr failure;  ///< what an any-hit or intersection shader threw
+  ReportedAttributes reported;  ///< of the last accepted report (IS-10)
+  std::exception_ptr failure;   ///< what an any-hit or intersection shader threw
   accel::Hit hit;
 
   SelectedRecord hit_record(const accel::InstanceRecord& instance, uint geometry_index) const {

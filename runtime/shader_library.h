@@ -13,7 +13,7 @@ namespace rayloom {
 
 /// What a shader declares beside its code.
 struct ShaderOptions {
-  ShaderCost cost;            ///< for the hardware model
+  ShaderCost cost = {};       ///< for the hardware model
   uint32_t stack_bytes = 0;   ///< 0: estimated as 128 + payload or parameters + attributes (docs/dxr-differences.md)
   TypeInfo local_root = {};   ///< root_type<L>(): the shader reads ctx.LocalRoot<L>()
   TypeInfo global_root = {};  ///< root_type<G>(): the shader reads ctx.GlobalRoot<G>()

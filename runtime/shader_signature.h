@@ -69,7 +69,8 @@ using StructAt = std::remove_cvref_t<Parameter<F, I>>;
 template <class F>
 concept RayGenerationShader = detail::ShaderOf<F, RayGenContext, 1> && detail::Returns<F, void>;
 template <class F>
-concept IntersectionShader = detail::ShaderOf<F, IntersectionContext, 1> && detail::Returns<F, IntersectionVerdict>;
+concept IntersectionShader = detail::ShaderOf<F, IntersectionContext, 1> &&
+    (detail::Returns<F, IntersectionVerdict> || detail::Returns<F, ReportHitResult>);
 template <class F>
 concept AnyHitShader = detail::ShaderOf<F, AnyHitContext, 3> && detail::Returns<F, AnyHitVerdict> &&
     detail::InOut<detail::Parameter<F, 1>> && detail::In<detail::Parameter<F, 2>>;

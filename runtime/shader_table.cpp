@@ -1,3 +1,4 @@
+#include <rayloom/base/error.h>
 #include <rayloom/runtime/device.h>
 #include <rayloom/runtime/shader_table.h>
 

@@ -49,8 +49,7 @@ BuiltInTriangleIntersectionAttributes barycentrics(const accel::Hit& hit) { retu
 /// STG-12, IS-14: the shader must take the attributes the hit has.
 bool takes_attributes(const RayFrame& frame, const ShaderDefinition& shader) {
   const bool triangle = frame.hit.type == accel::HitType::triangle;
-  const TypeInfo given =
-      triangle ? type_info_of<BuiltInTriangleIntersectionAttributes>() : frame.procedural.attributes.type;
+  const TypeInfo given = triangle ? type_info_of<BuiltInTriangleIntersectionAttributes>() : frame.reported.type;
   if (shader.attributes == given) return true;
   frame.lane->report("IS-14", [&] { return "closest-hit shader '" + shader.name + "' takes other attributes"; });
   return false;
@@ -78,7 +77,7 @@ void run_closest_hit(RayFrame& frame) {
   const Primitive primitive{&instance, hit.instance_index, hit.geometry_index, hit.primitive_index, hit.hit_kind};
   const BuiltInTriangleIntersectionAttributes triangle = barycentrics(hit);
   const void* const attributes =
-      hit.type == accel::HitType::triangle ? static_cast<const void*>(&triangle) : frame.procedural.attributes.bytes;
+      hit.type == accel::HitType::triangle ? static_cast<const void*>(&triangle) : frame.reported.bytes;
   Invocation invocation{frame.lane, &frame, &primitive, hit.t, selected.record};
   const DepthScope depth(*frame.lane);
   run_shader(invocation, group.closest_hit, frame.payload, attributes);
