@@ -26,7 +26,7 @@ const std::array<Case, 9> cases{{{{1, 1, 1}, 0, 1, 0},
                                  {{0.8f, 0.5f, 0.2f}, 0, 0.4f, 1},
                                  {{1, 1, 1}, 1, 1, 1},
                                  {{1, 0.8f, 0.3f}, 1, 0.5f, 1},
-                                 {{0.9f, 0.9f, 0.9f}, 1, 0.2f, 1},
+                                 {{0.9f, 0.9f, 0.9f}, 1, 0.3f, 1},
                                  {{0.6f, 0.7f, 0.8f}, 0.5f, 0.6f, 1}}};
 constexpr std::array<float, 5> cosines{1.0f, 0.9f, 0.5f, 0.2f, 0.05f};
 
@@ -69,7 +69,7 @@ TEST_CASE("sampled directions follow the stated pdf (chi-square, Sidak)") {
     for (const float cosine : cosines) {
       const float3 wo = view(cosine);
       const Bsdf bsdf = make(c, wo);
-      std::vector<double> observed(rows * columns + 1), expected = integrate_pdf(bsdf, wo, rows, columns, 48);
+      std::vector<double> observed(rows * columns + 1), expected = integrate_pdf(bsdf, wo, rows, columns, 40);
       ++stream;
       for (uint32_t i = 0; i < draws; ++i) {
         const BsdfSample sample = draw(bsdf, wo, i, stream);
@@ -165,13 +165,13 @@ TEST_CASE("white furnace: white Lambert reflects exactly what arrives") {
 }
 
 TEST_CASE("white furnace: GGX reflects its independently integrated directional albedo") {
-  // 1,000,000 samples a case, 4 standard errors.
+  // 400,000 samples a case, 4 standard errors.
   for (const float roughness : {0.2f, 0.5f, 0.8f, 1.0f})
     for (const float cosine : cosines) {
       const float3 wo = view(cosine);
       const Bsdf bsdf = make({{1, 1, 1}, 1, roughness, 1}, wo);
       test::Moments albedo;
-      for (uint32_t i = 0; i < 1000000; ++i) albedo.add(draw(bsdf, wo, i, 5).weight.x);
+      for (uint32_t i = 0; i < 400000; ++i) albedo.add(draw(bsdf, wo, i, 5).weight.x);
       const double expected = test::ggx_albedo(bsdf.alpha, cosine);
       CAPTURE(roughness, cosine, albedo.mean, expected, albedo.standard_error());
       CHECK(std::abs(albedo.mean - expected) < 4 * albedo.standard_error() + 1e-6);

@@ -151,7 +151,7 @@ TEST_CASE("the offset is small: at most 20 ulp of the largest coordinate where o
 TEST_CASE("rays that leave a sphere never meet it: 200,000 rays") {
   const float3x4 identity(float4(1, 0, 0, 0), float4(0, 1, 0, 0), float4(0, 0, 1, 0));
   uint32_t outside = 0, inside_missed = 0;
-  for (const float distance : {0.0f, 1.0f, 1e3f, 1e6f})
+  for (const float distance : {0.0f, 1.0f, 100.0f, 1e3f})
     for (uint32_t i = 0; i < 50000; ++i) {
       Sampler sampler({i, 5}, 2, 1);
       const scenes::Sphere sphere{distance * cube(sampler), 0.01f + sampler.next_2d().x};
