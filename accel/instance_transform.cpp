@@ -59,7 +59,8 @@ std::optional<InverseTransform> invert(const float (&m)[3][4]) {
 // maximum norm |o' - W (o - T)| <= u |o'| <= u (R + t |d'|) and |d' - W d| <= u |d'|, so o + t d differs from p by at
 // most |M| u (R + 2 t |d'|) <= u |M| R + 2 u kappa t |d|, kappa = |M| |W|; double's own errors are smaller by 2^-29
 // kappa. The first term widens the box here, four times over; the second is proportional to the distance from the ray's
-// origin, t |d| <= |p - o|, and lies within the box test's pad of at least 2^-21 pad_scale |p - o|, pad_scale > kappa.
+// origin, t |d| <= |p - o| but for terms of second order, and lies within the 8 u (pad_scale - 1) |p - o| by which the
+// box test widens top-level boxes on top of its own errors, pad_scale - 1 >= kappa.
 Box world_box(const float (&m)[3][4], const Box& object_box) {
   double reach = 0;
   for (int k = 0; k < 3; ++k)

@@ -85,6 +85,37 @@ void compare(const Mesh& mesh, const std::vector<Transform3x4>& transforms, size
   });
 }
 
+/// Rays from `distance` away at a triangle in one instance, aimed beside it by what rounding the object-space ray can
+/// make of them: the candidates must be those of brute force. Adds to `culled` and `hits`.
+void graze(const Mesh& mesh, const Transform3x4& m, float distance, float stray, Random& random, size_t& culled,
+           size_t& hits) {
+  const Block bottom = build_mesh(mesh, geometry_flag::none);
+  const Block top = build_instances({instance_of(bottom, m)});
+  const auto triangles = all_triangles({mesh.geometry()});
+  for (int i = 0; i < 20; ++i) {
+    Point to = transformed(m, mesh.vertices[random.below(3)]), from = to;
+    for (float& x : to) x += random.uniform(-stray, stray);
+    for (float& x : from) x += random.uniform(-distance, distance);
+    const Ray ray = ray_between(from, to);
+    Recorder recorder;
+    trace({}, recorder.request(top, ray));
+    const size_t expected = all_instance_hits(triangles, {m}, ray).size();
+    culled += recorder.candidates.size() != expected;
+    hits += expected;
+  }
+}
+
+Mesh small_triangle(const Point& centre, float size, Random& random) {
+  const auto near = [&] {
+    Point p = centre;
+    for (float& x : p) x += random.uniform(-size, size);
+    return p;
+  };
+  Mesh mesh;
+  mesh.add_triangle(near(), near(), near());
+  return mesh;
+}
+
 }  // namespace
 
 TEST_CASE("transforms exact in float keep every bit of a hit (numerics T1)") {
@@ -151,6 +182,35 @@ TEST_CASE("two levels equal brute force, ill conditioned") {
     for (int i = 0; i < 5; ++i) transforms.push_back(random_affine(random, 1, 100));
     compare(icosphere(1), transforms, 200, 28);
   }
+}
+
+TEST_CASE("a badly conditioned transform's stray rays lose no hit") {
+  Random random(30);
+  for (const float gap : {0.03f, 1e-3f, 1e-5f}) {  // below and above the conditioning that the pad covers
+    size_t culled = 0, hits = 0;
+    for (int round = 0; round < 1500; ++round) {
+      const auto m = nearly_singular(random_affine(random, 1, 10), gap);
+      const float stray = 0x1p-24f * 300 / gap;
+      graze(small_triangle({0, 0, 0}, stray, random), m, 300, stray, random, culled, hits);
+    }
+    CAPTURE(gap);
+    CHECK(culled == 0);
+    CHECK(hits > 500);
+  }
+}
+
+TEST_CASE("geometry far from its instance's origin loses no hit to stray rays") {
+  Random random(31);
+  size_t culled = 0, hits = 0;
+  for (int round = 0; round < 3000; ++round) {
+    const Point centre{random.scaled(8, 14), random.scaled(8, 14), random.scaled(8, 14)};
+    auto m = random_affine(random, 1, 0);
+    const Point placed = transformed(m, centre);
+    for (int row = 0; row < 3; ++row) m[4 * row + 3] = -placed[row];  // near the world's origin again
+    graze(small_triangle(centre, 2e-3f, random), m, 0.01f, 2e-3f, random, culled, hits);
+  }
+  CHECK(culled == 0);
+  CHECK(hits > 500);
 }
 
 TEST_CASE("a closed mesh in an instance does not leak (numerics T2)") {
