@@ -40,6 +40,7 @@ struct Pipeline {
   RAYTRACING_PIPELINE_CONFIG config;
   bool decides_candidates = false;  ///< has an any-hit or intersection shader in a hit group
 
+  void add_export(const std::string& name, ExportKind kind, size_t index, uint32_t local_root_bytes);
   const ShaderDefinition* shader(uint32_t index) const { return index == no_shader ? nullptr : &shaders[index]; }
   /// The export a record's 32 bytes name; null when they are not of this pipeline.
   const Export* find(const std::byte* identifier) const;

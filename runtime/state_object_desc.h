@@ -63,10 +63,7 @@ struct STATE_OBJECT_DESC {
   std::vector<STATE_SUBOBJECT> Subobjects = {};
 
   /// Appends a subobject; returns its index for associations.
-  size_t add(STATE_SUBOBJECT subobject) {
-    Subobjects.push_back(std::move(subobject));
-    return Subobjects.size() - 1;
-  }
+  size_t add(STATE_SUBOBJECT subobject);
 };
 
 }  // namespace rayloom
