@@ -214,7 +214,7 @@ void check_light(const Checker& light) {
 }
 
 void check_lights(const Checker& root) {
-  root.object("extensions", [&root](const Checker& extensions) {
+  root.object("extensions", [](const Checker& extensions) {
     extensions.object("KHR_lights_punctual", [](const Checker& punctual) { punctual.each("lights", check_light); });
   });
   const size_t lights =

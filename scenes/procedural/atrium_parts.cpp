@@ -51,7 +51,7 @@ void add_leaf(Geometry& geometry, size_t index, float height, uint32_t seed) {
   const auto [s, c] = det::sincos(around);
   const auto [st, ct] = det::sincos(tilt);
   const glm::vec3 root(spread * s, height * (0.08f + 0.9f * up), spread * c);
-  const glm::vec3 along(ct * s, st, ct * c), across(c, 0, -s);
+  const glm::vec3 along(ct * s, st, ct * c), across(-c, 0, s);
   const glm::vec3 wide = across * (0.4f * size), tip = along * size;
   const glm::vec3 corners[4] = {root - wide, root + wide, root + wide + tip, root - wide + tip};
   const glm::vec3 normal = glm::cross(corners[1] - corners[0], corners[3] - corners[0]);
