@@ -22,7 +22,7 @@ struct Parameter {
 };
 std::span<const Parameter> parameters();
 
-/// How sure a value is (hwmodel.md): a vendor's document, somebody's measurement, another simulator's source,
+/// How sure a value is: a vendor's document, somebody's measurement, another simulator's source,
 /// arithmetic on these, a choice of ours that only calibration can settle, or the user's own.
 enum class Confidence : uint8_t { vendor, measured, simulator, derived, assumed, user };
 const char* confidence_name(Confidence confidence);

@@ -27,7 +27,7 @@ constexpr PresetValue turing[] = {
     {"rt.schedule_latency", 1, assumed, "one clock to pick"},
     {"rt.ray_bytes", 32, derived, "a RayDesc"},
     {"rt.accept_bytes_per_cycle", 128, assumed, "one register-file row a clock"},
-    {"rt.fetch_bytes_per_cycle", 64, assumed, "no published figure; swept in hwmodel.md 3.2 from 32 to 128"},
+    {"rt.fetch_bytes_per_cycle", 64, assumed, "no published figure; 32 to 128 are plausible"},
     {"rt.box_width", 8, derived, "10.5 clocks a ray at 10 Grays/s fit one 8-wide node a clock"},
     {"rt.box_interval", 1, derived, "as rt.box_width"},
     {"rt.box_latency", 10, simulator, "between Arches (12) and Vulkan-Sim (8); synthesised designs 13"},

@@ -4,8 +4,10 @@
 #include <rayloom/hwmodel/presets.h>
 
 #include <catch2/catch.hpp>
+#include <fstream>
 #include <map>
 #include <set>
+#include <sstream>
 
 using namespace rayloom;
 using namespace rayloom::hwmodel;
@@ -62,4 +64,18 @@ TEST_CASE("wrong settings are usage errors that help") {
   CHECK_THROWS_AS(set_parameter(preset, "=1"), UsageError);
   CHECK_THROWS_WITH(make_preset("voodoo"), Catch::Contains("\"turing\""));
   CHECK(preset.config.sm.count == 68);
+}
+
+TEST_CASE("docs/hwmodel.md shows the preset as it is") {
+  std::stringstream text;
+  text << std::ifstream(RAYLOOM_SOURCE_DIR "/docs/hwmodel.md").rdbuf();
+  const GpuPreset preset = make_preset("turing");
+  for (size_t i = 0; i < parameters().size(); ++i) {
+    const Parameter& parameter = parameters()[i];
+    const Provenance& provenance = preset.provenance[i];
+    CHECK_THAT(text.str(), Catch::Contains("| `" + std::string(parameter.key) + "` | " +
+                                           std::to_string(parameter_value(preset.config, parameter)) + " | " +
+                                           parameter.unit + " | " + parameter.meaning + " | " +
+                                           confidence_name(provenance.confidence) + " | " + provenance.source + " |"));
+  }
 }

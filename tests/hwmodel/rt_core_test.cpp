@@ -1,4 +1,4 @@
-// Times of the RT core in closed form (hwmodel.md 4.1), as equal integers.
+// Times of the RT core in closed form (docs/hwmodel.md), as equal integers.
 
 #include "synthetic.h"
 

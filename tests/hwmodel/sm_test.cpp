@@ -1,4 +1,4 @@
-// Divergence, coalescing and issue, as equal integers (hwmodel.md 4.1).
+// Divergence, coalescing and issue, as equal integers (docs/hwmodel.md).
 
 #include "synthetic.h"
 
