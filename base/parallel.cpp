@@ -178,7 +178,10 @@ TaskGroup::~TaskGroup() {
 }
 
 void TaskGroup::run_task(TaskFunction call, TaskFunction destroy, void* task) {
-  const std::shared_ptr<void> owned(task, destroy);
+  const std::shared_ptr<void> owned(task, [destroy](void* finished) {
+    tsan_acquire(finished);  // the last owner may be the thread that spawned the task
+    destroy(finished);
+  });
   auto& state = *state_;
   tsan_release(task);
   state.limit.execute([&] {
@@ -186,6 +189,7 @@ void TaskGroup::run_task(TaskFunction call, TaskFunction destroy, void* task) {
       const detail::ThreadArena::Work work(state.limit);
       tsan_acquire(owned.get());
       call(owned.get());
+      tsan_release(owned.get());
       tsan_release(&state);
     });
   });
