@@ -19,8 +19,26 @@ float4 base_color(const MaterialView& view, uint32_t material, const MaterialCor
   return core.has(TextureSlot::base_color) ? color * sample(view, material, TextureSlot::base_color, at) : color;
 }
 
-/// The smallest cosine a shading normal may make with the view; see shading_normal().
-constexpr float least_cosine = 1e-3f;
+/// The smallest cosines a shading normal may make with the view, and the view's mirror direction with the surface.
+constexpr float least_view_cosine = 1e-3f;
+constexpr float least_mirror_cosine = 1e-2f;
+
+/// Turns a unit normal towards the viewer until it shows him its front.
+float3 face_viewer(float3 normal, float3 to_viewer, float3 geometric_normal) {
+  const float cosine = glm::dot(normal, to_viewer);
+  if (cosine >= least_view_cosine) return normal;
+  return normalize_or(normal + (2 * least_view_cosine - cosine) * to_viewer, geometric_normal);
+}
+
+/// Turns a normal that mirrors the view into the surface until the mirror direction just leaves it; else smooth metals
+/// under normal maps have black rims. After Keller et al. 2017, "The Iray Light Transport Simulation".
+float3 mirror_outward(float3 normal, float3 to_viewer, float3 geometric_normal) {
+  const float3 mirrored = glm::reflect(-to_viewer, normal);
+  const float cosine = glm::dot(mirrored, geometric_normal);
+  if (cosine >= least_mirror_cosine) return normal;
+  const float3 lifted = glm::normalize(mirrored + (least_mirror_cosine - cosine) * geometric_normal);
+  return normalize_or(to_viewer + lifted, geometric_normal);
+}
 
 }  // namespace
 
@@ -71,9 +89,8 @@ float3 shading_normal(const MaterialView& view, uint32_t material, const Materia
     const float3 bitangent = surface.bitangent_sign * glm::cross(normal, surface.tangent);
     normal = normalize_or(slope.x * surface.tangent + slope.y * bitangent + (2.0f * texel.z - 1.0f) * normal, normal);
   }
-  const float cosine = glm::dot(normal, to_viewer);
-  if (cosine >= least_cosine) return normal;
-  return normalize_or(normal + (2 * least_cosine - cosine) * to_viewer, surface.geometric_normal);
+  normal = face_viewer(normal, to_viewer, surface.geometric_normal);
+  return mirror_outward(normal, to_viewer, surface.geometric_normal);
 }
 
 }  // namespace rayloom::shaders

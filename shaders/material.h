@@ -32,8 +32,8 @@ struct NormalMap {
 };
 NormalMap material_normal_map(const MaterialView& view, uint32_t material, const MaterialCore& core);
 
-/// The shading normal after the normal map, turned where necessary so that light from `to_viewer` can be reflected:
-/// unit, and dot(normal, to_viewer) > 0.
+/// The shading normal after the normal map, turned where necessary so that it faces the viewer and mirrors him out of
+/// the surface: unit, and dot(normal, to_viewer) > 0.
 float3 shading_normal(const MaterialView& view, uint32_t material, const MaterialCore& core, const Surface& surface,
                       float3 to_viewer);
 

@@ -116,7 +116,7 @@ struct Renderer::State {
 
   uint64_t pixel_count() const { return uint64_t{window.width} * window.height; }
 
-  void dispatch(const Program& which, uint32_t first, uint32_t count) {
+  void dispatch(const Program& which, uint32_t first, uint32_t count, const DispatchOptions& how) {
     FilmArguments film;
     film.pixels = pixels.rw_structured<PixelSums>();
     film.window_origin = {window.x, window.y};
@@ -127,7 +127,7 @@ struct Renderer::State {
     commands.SetPipelineState1(which.pipeline);
     commands.SetComputeRoot(film);
     commands.DispatchRays(which.dispatch(window.width, window.height));
-    last = device.execute(commands, options.dispatch).dispatches.at(0);
+    last = device.execute(commands, how).dispatches.at(0);
     statistics += last.statistics;
   }
 };
@@ -141,12 +141,12 @@ void Renderer::render(uint32_t first, uint32_t count) {
   State& s = *state_;
   if (count == 0) return;
   if (!s.info.samples) {
-    if (s.samples == 0) s.dispatch(s.program, 0, 1);
+    if (s.samples == 0) s.dispatch(s.program, 0, 1, s.options.dispatch);
     s.samples = 1;
     return;
   }
   if (first != s.samples) throw UsageError("sample ranges must follow each other");
-  s.dispatch(s.program, first, count);
+  s.dispatch(s.program, first, count, s.options.dispatch);
   s.samples += count;
 }
 
@@ -164,7 +164,9 @@ Picture Renderer::picture() const {
 std::vector<AovChannel> Renderer::aov_channels() {
   State& s = *state_;
   const Buffer buffer = s.device.create_buffer(s.pixel_count() * sizeof(AovPayload));
-  s.dispatch(make_aov_channels(s.device, s.scene, s.program_options, buffer.rw_structured<AovPayload>()), 0, 1);
+  DispatchOptions native = s.options.dispatch;
+  native.tracer = nullptr;
+  s.dispatch(make_aov_channels(s.device, s.scene, s.program_options, buffer.rw_structured<AovPayload>()), 0, 1, native);
   const auto payloads = buffer.as<AovPayload>().first(s.pixel_count());
   std::vector<AovChannel> channels;
   for (const FloatChannel& channel : float_channels) {
@@ -177,6 +179,8 @@ std::vector<AovChannel> Renderer::aov_channels() {
   }
   return channels;
 }
+
+void Renderer::set_dispatch(const DispatchOptions& how) { state_->options.dispatch = how; }
 
 const RenderOptions& Renderer::options() const { return state_->options; }
 const ProgramInfo& Renderer::program() const { return state_->info; }
@@ -193,9 +197,9 @@ const DispatchReport& Renderer::last_dispatch() const { return state_->last; }
 scenes::Environment default_sky() {
   scenes::Environment sky;
   sky.kind = scenes::Environment::Kind::gradient;
-  sky.zenith = float3(1.0f, 1.0f, 1.0f);
-  sky.horizon = float3(0.8f, 0.8f, 0.8f);
-  sky.nadir = float3(0.3f, 0.3f, 0.3f);
+  sky.zenith = float3(0.35f, 0.5f, 0.85f);
+  sky.horizon = float3(0.8f, 0.85f, 0.9f);
+  sky.nadir = float3(0.25f, 0.22f, 0.2f);
   return sky;
 }
 

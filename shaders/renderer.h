@@ -60,8 +60,12 @@ class Renderer {
   /// Programs without samples trace once, whatever the range.
   void render(uint32_t first, uint32_t count);
   Picture picture() const;
-  /// Traces one more ray a pixel. Depth and distance are infinite and ids 0xffffffff where nothing is hit.
+  /// Traces one more ray a pixel, always with the native tracer. Depth and distance are infinite and ids 0xffffffff
+  /// where nothing is hit.
   std::vector<AovChannel> aov_channels();
+
+  /// How the render() calls that follow run: mode, warp size, tracer.
+  void set_dispatch(const DispatchOptions& how);
 
   const RenderOptions& options() const;
   const ProgramInfo& program() const;
@@ -82,7 +86,7 @@ class Renderer {
   std::unique_ptr<State> state_;
 };
 
-/// White from above, grey from below: what scenes without lights are seen under.
+/// Blue above, bright at the horizon, earth below: what scenes without lights are seen under.
 scenes::Environment default_sky();
 
 /// Names of the channels aov_channels() gives, in its order.
