@@ -8,6 +8,7 @@
 #include <cstdio>
 #include <new>
 
+#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 namespace rayloom::tools {
@@ -66,6 +67,17 @@ int run_guarded(const Action& action, const CommonOptions& common) {
   }
 }
 
+/// CLI11 would only say that a subcommand is missing.
+void require_known_subcommand(CLI::App& app, const std::vector<std::string>& arguments) {
+  if (arguments.empty() || arguments.front().starts_with('-')) return;
+  std::string names;
+  for (const CLI::App* sub : app.get_subcommands({})) {
+    if (sub->get_name() == arguments.front()) return;
+    names += " " + sub->get_name();
+  }
+  throw UsageError(fmt::format("there is no subcommand '{}'; there are:{}", arguments.front(), names));
+}
+
 }  // namespace
 
 CLI::App* add_subcommand(CLI::App& app, const std::string& name, const std::string& description,
@@ -100,6 +112,7 @@ int run_command_line(int argc, const char* const* argv) {
   const auto parse_and_run = [&] {
     build_application(app, common, action);
     std::vector<std::string> arguments = normalise_arguments(argc, argv);
+    require_known_subcommand(app, arguments);
     std::reverse(arguments.begin(), arguments.end());
     app.parse(arguments);
     return action();

@@ -3,25 +3,21 @@
 // The frame every subcommand hangs in: one CLI11 application, help that starts with examples, and one place where
 // exceptions become exit codes.
 
+#include <rayloom/tools/common_options.h>
 #include <rayloom/tools/exit_code.h>
-
-#include <CLI/CLI.hpp>
 
 #include <functional>
 #include <string>
+#include <vector>
+
+namespace CLI {
+class App;
+}
 
 namespace rayloom::tools {
 
 /// What the command line asked for: set by the chosen subcommand's callback, run once parsing is over.
 using Action = std::function<int()>;
-
-/// What every subcommand shares.
-struct CommonOptions {
-  bool quiet = false;   ///< nothing on stderr but errors
-  std::string json;     ///< empty: no JSON; "-": standard output; else a file
-  std::string command;  ///< the whole command line, quoted for a shell
-  bool json_on_stdout() const { return json == "-"; }
-};
 
 /// Adds subcommand `name`. `examples`: one command a line, shown before the usage.
 CLI::App* add_subcommand(CLI::App& app, const std::string& name, const std::string& description,

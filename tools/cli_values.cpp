@@ -5,6 +5,10 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <limits>
+#include <optional>
+
+#include <CLI/CLI.hpp>
 
 #include <fmt/format.h>
 
@@ -47,7 +51,9 @@ uint64_t parse_count(const std::string& option, const std::string& text, uint64_
 double parse_real(const std::string& option, const std::string& text, double low, double high) {
   const auto value = whole<double>(text);
   if (!value || !std::isfinite(*value) || *value < low || *value > high) {
-    reject(option, text, fmt::format("a number from {} to {}", low, high));
+    const bool open_ended = high == std::numeric_limits<double>::max();
+    reject(option, text,
+           open_ended ? fmt::format("a number of at least {}", low) : fmt::format("a number from {} to {}", low, high));
   }
   return *value;
 }
@@ -82,12 +88,12 @@ std::vector<std::string> parse_names(const std::string& option, const std::strin
   return names;
 }
 
-CLI::Option* add_count(CLI::App& app, const std::string& name, uint64_t& target, uint64_t low, uint64_t high,
-                       const std::string& description) {
+void add_count(CLI::App& app, const std::string& name, uint64_t& target, uint64_t low, uint64_t high,
+               const std::string& description) {
   const auto store = [&target, name, low, high](const std::string& text) {
     target = parse_count(name, text, low, high);
   };
-  return app.add_option_function<std::string>(name, store, fmt::format("{} [{}]", description, target))
+  app.add_option_function<std::string>(name, store, fmt::format("{} [{}]", description, target))
       ->type_name(high == UINT64_MAX ? "N" : fmt::format("{}..{}", low, high));
 }
 

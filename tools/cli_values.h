@@ -3,12 +3,13 @@
 // Values on the command line. Each is checked where it is parsed; a bad one is a UsageError that names the option, the
 // value and what would have been right.
 
-#include <CLI/CLI.hpp>
-
 #include <cstdint>
-#include <optional>
 #include <string>
 #include <vector>
+
+namespace CLI {
+class App;
+}
 
 namespace rayloom::tools {
 
@@ -36,7 +37,7 @@ Pixel parse_pixel(const std::string& option, const std::string& text);
 std::vector<std::string> parse_names(const std::string& option, const std::string& text);
 
 /// Adds `--name N` with the range in its help text.
-CLI::Option* add_count(CLI::App& app, const std::string& name, uint64_t& target, uint64_t low, uint64_t high,
-                       const std::string& description);
+void add_count(CLI::App& app, const std::string& name, uint64_t& target, uint64_t low, uint64_t high,
+               const std::string& description);
 
 }  // namespace rayloom::tools

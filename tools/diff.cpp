@@ -12,6 +12,7 @@
 #include <limits>
 #include <optional>
 
+#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 namespace rayloom::tools {

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <filesystem>
 
 #include <OpenImageIO/filesystem.h>
 #include <OpenImageIO/imageio.h>
@@ -100,6 +101,10 @@ void write_png(const std::string& path, const Preview& preview, const Metadata& 
 }
 
 Image read_image(const std::string& path) {
+  std::error_code error;
+  if (const auto status = std::filesystem::status(path, error); !std::filesystem::exists(status)) {
+    throw InputError(path, "", "no such file");
+  }
   const auto input = OIIO::ImageInput::open(path);
   if (!input) throw InputError(path, "", "cannot be read as a picture: " + OIIO::geterror());
   Image image;

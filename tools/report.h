@@ -3,7 +3,7 @@
 // What a subcommand prints: one JSON document with a schema name and version, or a text table, on standard output.
 
 #include <rayloom/base/json.h>
-#include <rayloom/tools/cli.h>
+#include <rayloom/tools/common_options.h>
 
 #include <string>
 #include <vector>
