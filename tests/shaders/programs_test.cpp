@@ -221,7 +221,7 @@ TEST_CASE("a normal map tilts the shading normal in the texture's directions") {
   CHECK(seen_with(176, 128, 238).x == Approx(tilt).margin(2e-3));   // u runs along +x on this quad
   CHECK(seen_with(128, 176, 238).z == Approx(-tilt).margin(2e-3));  // v along -z
   CHECK(seen_with(128, 128, 255).y == Approx(1).margin(1e-4));
-  // Barely out of the plane: turned until the view is mirrored out of the surface, at 45 degrees here.
+  // Barely out of the plane: turned until the view is mirrored out of the surface.
   const float3 steep = seen_with(255, 128, 128);
   CHECK(2 * steep.y * steep.y - 1 >= 0.0099f);
   CHECK(steep.x > 0.3f);
