@@ -32,7 +32,7 @@ void CommandList::BuildRaytracingAccelerationStructure(const BUILD_RAYTRACING_AC
     fail_build("SourceAccelerationStructureData", "is set without an update [BI-23]");
   if (desc.DestAccelerationStructureData % RAYTRACING_ACCELERATION_STRUCTURE_BYTE_ALIGNMENT)
     fail_build("DestAccelerationStructureData", "is no multiple of 256 [BI-22]");
-  commands_.push_back(detail::BuildCommand{desc, detail::copy_geometries(desc.Inputs)});
+  commands_.emplace_back(detail::BuildCommand{desc, detail::copy_geometries(desc.Inputs)});
 }
 
 void CommandList::SetComputeRootSignature(const RootSignature& signature) {
@@ -69,20 +69,20 @@ void CommandList::SetComputeRootUnorderedAccessView(uint32_t root_parameter, GPU
 
 void CommandList::CopyBufferRegion(const Buffer& destination, uint64_t destination_offset, const Buffer& source,
                                    uint64_t source_offset, uint64_t bytes) {
-  commands_.push_back(
+  commands_.emplace_back(
       detail::CopyCommand{range(destination, destination_offset, bytes, "CopyBufferRegion", "destination"),
                           range(source, source_offset, bytes, "CopyBufferRegion", "source"), bytes});
 }
 
 void CommandList::FillBuffer(const Buffer& destination, uint64_t offset, uint64_t bytes, uint32_t value) {
   if (offset % 4 || bytes % 4) throw InputError("FillBuffer", "", "offset and size must be multiples of 4");
-  commands_.push_back(
+  commands_.emplace_back(
       detail::FillCommand{range(destination, offset, bytes, "FillBuffer", "destination"), bytes, value});
 }
 
 void CommandList::WriteBuffer(const Buffer& destination, uint64_t offset, std::span<const std::byte> data) {
-  commands_.push_back(detail::UploadCommand{range(destination, offset, data.size(), "WriteBuffer", "destination"),
-                                            {data.begin(), data.end()}});
+  commands_.emplace_back(detail::UploadCommand{range(destination, offset, data.size(), "WriteBuffer", "destination"),
+                                               {data.begin(), data.end()}});
 }
 
 void CommandList::DispatchRays(const DISPATCH_RAYS_DESC& desc) {
@@ -91,7 +91,7 @@ void CommandList::DispatchRays(const DISPATCH_RAYS_DESC& desc) {
     throw InputError("DispatchRays", "pipeline stack size",
                      std::to_string(stack) + " bytes a lane cannot be provided; the most is " +
                          std::to_string(detail::max_pipeline_stack_bytes) + " [RC-09]");
-  commands_.push_back(detail::DispatchCommand{desc, state_object_, root_arguments_, stack});
+  commands_.emplace_back(detail::DispatchCommand{desc, state_object_, root_arguments_, stack});
 }
 
 }  // namespace rayloom
