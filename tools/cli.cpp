@@ -129,7 +129,7 @@ int run_command_line(int argc, const char* const* argv) {
       throw UsageError(fmt::format("{}\nSee '{} --help'.", error.what(), where));
     }
   };
-  watch_for_interrupt();
+  set_up_signals();
   return run_guarded(explain_parsing, common);
 }
 

@@ -14,7 +14,10 @@ extern "C" void on_interrupt(int) {
 
 }  // namespace
 
-void watch_for_interrupt() { std::signal(SIGINT, on_interrupt); }
+void set_up_signals() {
+  std::signal(SIGINT, on_interrupt);
+  std::signal(SIGXFSZ, SIG_IGN);
+}
 
 bool interrupt_requested() noexcept { return requested != 0; }
 

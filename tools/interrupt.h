@@ -13,7 +13,8 @@ class Interrupted : public std::exception {
   const char* what() const noexcept override { return "interrupted"; }
 };
 
-void watch_for_interrupt();
+/// Watches for Ctrl-C; and lets a file past its size limit be a failed write rather than the end of the process.
+void set_up_signals();
 bool interrupt_requested() noexcept;
 void throw_if_interrupted();
 
