@@ -26,13 +26,17 @@ std::vector<T> to_rgba(const std::vector<T>& source, size_t channels, T one) {
   return rgba;
 }
 
+[[noreturn]] void fail_decoding(const std::string& name, const std::string& reason) {
+  throw InputError(name, "", "cannot be decoded: " + reason);
+}
+
 template <typename T>
 std::vector<T> read_channels(OIIO::ImageInput& input, OIIO::TypeDesc type, const std::string& name) {
   const OIIO::ImageSpec spec = input.spec();
   std::vector<T> values(static_cast<size_t>(spec.width) * static_cast<size_t>(spec.height) *
                         static_cast<size_t>(spec.nchannels));
   if (!input.read_image(0, 0, 0, spec.nchannels, type, values.data())) {
-    throw InputError(name, "", "cannot be decoded: " + input.geterror());
+    fail_decoding(name, input.geterror());
   }
   return values;
 }
@@ -97,14 +101,14 @@ Pixels decode_bytes(const std::vector<std::byte>& bytes, const std::string& name
   OIIO::ImageSpec options = open_options();
   options.attribute("oiio:ioproxy", OIIO::TypeDesc::PTR, &proxy);
   const auto input = OIIO::ImageInput::open(file, &options);
-  if (!input) throw InputError(name, "", "cannot be decoded: " + OIIO::geterror());
+  if (!input) fail_decoding(name, OIIO::geterror());
   return read_pixels(*input, name);
 }
 
 Pixels decode_file(const std::string& path) {
   const OIIO::ImageSpec options = open_options();
   const auto input = OIIO::ImageInput::open(path, &options);
-  if (!input) throw InputError(path, "", "cannot be decoded: " + OIIO::geterror());
+  if (!input) fail_decoding(path, OIIO::geterror());
   return read_pixels(*input, path);
 }
 

@@ -193,7 +193,7 @@ const Case cases[] = {
     {"textures[0].source", "index 0 is out of range, the file has 0 images", [](Asset& a) { add_texture(a, 0); }},
     {"textures[0].sampler", "out of range", set("/textures", {{{"sampler", 0}}})},
     {"images[0]", "file '/nonexistent/gone.png' does not exist", set("/images", {{{"uri", "gone.png"}}})},
-    {"images[0]", "either 'uri' or 'bufferView'", set("/images", {Json::object()})},
+    {"images[0]", "either 'uri' or 'bufferView'", set("/images", Json::array({Json::object()}))},
     {"images[0].bufferView", "out of range", set("/images", {{{"bufferView", 9}, {"mimeType", "image/png"}}})},
     {"samplers[0].wrapS", "must be one of", set("/samplers", {{{"wrapS", 1}}})},
     {"samplers[0].magFilter", "must be one of 9728, 9729", set("/samplers", {{{"magFilter", 9984}}})},
