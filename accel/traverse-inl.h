@@ -14,6 +14,7 @@
 // clang-format on
 
 #include <rayloom/accel/instance_transform.h>
+#include <rayloom/accel/prefetch.h>
 #include <rayloom/accel/search.h>
 #include <rayloom/accel/structure.h>
 #include <rayloom/accel/traversal_stack.h>
@@ -51,15 +52,16 @@ struct Level {
 /// Children that the ray meets: nearest first, equals by lane; in stored order for rays that take any hit, for which
 /// Collapse has put the most promising child first.
 template <class Visitor>
-void visit_node(const Level& level, const Search& search, uint32_t ref, TraversalStack& stack, Visitor& visitor) {
+[[gnu::always_inline]] inline void visit_node(const Level& level, const Search& search, uint32_t ref,
+                                              TraversalStack& stack, Visitor& visitor) {
   const auto* node = reinterpret_cast<const Node8*>(level.block + node_ref::offset(ref));
   alignas(32) float near[8];
   const uint32_t mask = test_node(level.lanes, *node, level.t_near, level.t_far, near);
   visitor.on_node(node, mask, near);
   if (search.request().ray_flags & ray_flag::accept_first_hit_and_end_search)
-    stack.push_in_order(*node, mask, near);
+    stack.push_in_order(*node, mask, near, Prefetch{level.block});
   else
-    stack.push_sorted(*node, mask, near);
+    stack.push_sorted(*node, mask, near, Prefetch{level.block});
 }
 
 /// Depth first over one structure. `leaves.visit(level, address, search, visitor)` tests a leaf. True: search ended.

@@ -5,7 +5,7 @@
 namespace rayloom::bench {
 
 Embree::Embree(const TriangleSoup& soup, bool robust)
-    : device_(rtcNewDevice("frequency_level=simd512,hugepages=0")), scene_(rtcNewScene(device_)) {
+    : device_(rtcNewDevice("frequency_level=simd512,hugepages=1")), scene_(rtcNewScene(device_)) {
   rtcSetSceneBuildQuality(scene_, RTC_BUILD_QUALITY_HIGH);
   if (robust) rtcSetSceneFlags(scene_, RTC_SCENE_FLAG_ROBUST);
   RTCGeometry geometry = rtcNewGeometry(device_, RTC_GEOMETRY_TYPE_TRIANGLE);

@@ -2,6 +2,9 @@
 
 #include <rayloom/scenes/scene.h>
 
+#include <new>
+#include <sys/mman.h>
+
 namespace rayloom::bench {
 namespace {
 
@@ -19,9 +22,12 @@ void append(TriangleSoup& soup, const scenes::Geometry& geometry, const scenes::
   for (const uint32_t index : geometry.indices) soup.indices.push_back(first + index);
 }
 
-std::byte* align(std::byte* pointer, uint64_t alignment) {
-  const auto address = reinterpret_cast<uintptr_t>(pointer);
-  return pointer + (alignment - address % alignment) % alignment;
+/// Memory in huge pages where the system has them, as the peer's own allocator and the runtime's Device ask for.
+std::byte* map_huge(uint64_t bytes) {
+  void* const memory = mmap(nullptr, bytes, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
+  if (memory == MAP_FAILED) throw std::bad_alloc();
+  madvise(memory, bytes, MADV_HUGEPAGE);
+  return static_cast<std::byte*>(memory);
 }
 
 }  // namespace
@@ -45,10 +51,11 @@ Structure::Structure(const TriangleSoup& soup) {
   geometry.triangle_count = soup.triangle_count();
   geometry.flags = accel::geometry_flag::opaque;
   const accel::TriangleGeometry geometries[]{geometry};
-  const uint64_t bytes = accel::bottom_level_sizes(geometries, 0).result_bytes;
-  memory_.resize(bytes + accel::structure_alignment);
-  block_ = align(memory_.data(), accel::structure_alignment);
-  bytes_ = accel::build_bottom_level(geometries, 0, {block_, bytes});
+  mapped_ = accel::bottom_level_sizes(geometries, 0).result_bytes;
+  block_ = map_huge(mapped_);
+  bytes_ = accel::build_bottom_level(geometries, 0, {block_, mapped_});
 }
+
+Structure::~Structure() { munmap(block_, mapped_); }
 
 }  // namespace rayloom::bench

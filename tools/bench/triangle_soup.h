@@ -25,13 +25,15 @@ TriangleSoup load_soup(const std::string& scene_name);
 class Structure {
  public:
   explicit Structure(const TriangleSoup& soup);
+  ~Structure();
+  Structure(const Structure&) = delete;
+  Structure& operator=(const Structure&) = delete;
   const std::byte* block() const { return block_; }
   uint64_t bytes() const { return bytes_; }
 
  private:
-  std::vector<std::byte> memory_;
   std::byte* block_ = nullptr;
-  uint64_t bytes_ = 0;
+  uint64_t mapped_ = 0, bytes_ = 0;
 };
 
 }  // namespace rayloom::bench
