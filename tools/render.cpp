@@ -84,7 +84,7 @@ int run_render(const RenderCommand& o, const CommonOptions& common) {
   const ThreadLimit threads(static_cast<unsigned>(o.threads));
 
   const Stopwatch load;
-  const scenes::Scene scene = load_scene(o.scene, common);
+  const scenes::Scene scene = load_scene(o, common);
   const uint64_t load_time_ns = load.ns();
   const Stopwatch set_up;
   shaders::Renderer renderer = make_renderer(scene, o);

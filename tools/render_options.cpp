@@ -15,6 +15,7 @@ namespace rayloom::tools {
 namespace {
 
 constexpr uint64_t max_spp = 1 << 20, max_threads = 1024, max_path_bounces = 1000;
+constexpr double max_environment_scale = 1e6;
 
 std::string program_list() {
   std::string list;
@@ -68,6 +69,13 @@ void add_render_options(CLI::App& sub, RenderOptions& o) {
                  "A camera of the file by index or name, 'frame' to show everything, or "
                  "'eye=x,y,z;at=x,y,z;up=x,y,z;fov=degrees' (or ortho=half height)")
       ->type_name("SPEC");
+  sub.add_option("--environment", o.environment,
+                 "What rays see that hit nothing: 'none', a radiance 'r,g,b', or a latitude-longitude picture "
+                 "(its middle column looks along -z) [the scene's own]")
+      ->type_name("SKY");
+  add_parsed(sub, "--environment-scale", "X", "Times the radiance of --environment [1]", [&o](const std::string& text) {
+    o.environment_scale = parse_real("--environment-scale", text, 0, max_environment_scale);
+  });
   add_parsed(sub, "--pixel", "x,y", "Only this pixel, counted from the top left",
              [&o](const std::string& text) { o.pixel = parse_pixel("--pixel", text); });
   add_count(sub, "--seed", o.seed, 0, UINT32_MAX, "Seed of all random numbers");
@@ -95,6 +103,8 @@ std::string picture_command(const RenderOptions& o) {
       fmt::format("rayloom render {} --shader {} --size {}x{} --spp {} --seed {} --max-bounces {}",
                   shell_quote(o.scene), o.shader, o.size.width, o.size.height, o.spp, o.seed, o.max_bounces);
   if (!o.camera.empty()) command += " --camera " + shell_quote(o.camera);
+  if (!o.environment.empty())
+    command += fmt::format(" --environment {} --environment-scale {}", shell_quote(o.environment), o.environment_scale);
   if (o.pixel) command += fmt::format(" --pixel {},{}", o.pixel->x, o.pixel->y);
   if (!o.aovs.empty()) command += fmt::format(" --aov {}", fmt::join(o.aovs, ","));
   return command;
@@ -119,6 +129,8 @@ Json to_json(const RenderOptions& o, ExecutionMode used) {
             {"seed", o.seed},
             {"max_bounces", o.max_bounces},
             {"camera", o.camera},
+            {"environment", o.environment},
+            {"environment_scale", o.environment_scale},
             {"aov", o.aovs},
             {"threads", thread_limit()},
             {"mode", name_of(used)},

@@ -18,7 +18,9 @@ struct RenderOptions {
   std::string shader = "path_tracer";
   uint64_t spp = 16;
   Size size{960, 540};
-  std::string camera;  ///< as scenes::choose_camera takes it
+  std::string camera;       ///< as scenes::choose_camera takes it
+  std::string environment;  ///< as apply_environment takes it
+  double environment_scale = 1;
   std::optional<Pixel> pixel;
   uint64_t seed = 0;
   uint64_t threads = 0;

@@ -1,6 +1,7 @@
 #include <rayloom/tools/rendering.h>
 
 #include <rayloom/base/progress.h>
+#include <rayloom/tools/environment_option.h>
 #include <rayloom/tools/interrupt.h>
 
 #include <algorithm>
@@ -49,10 +50,11 @@ bool render_samples(shaders::Renderer& renderer, const RenderOptions& options, c
   return true;
 }
 
-scenes::Scene load_scene(const std::string& name, const CommonOptions& common) {
-  scenes::Scene scene = scenes::load_scene(name);
+scenes::Scene load_scene(const RenderOptions& o, const CommonOptions& common) {
+  scenes::Scene scene = scenes::load_scene(o.scene);
+  apply_environment(scene, o.environment, o.environment_scale);
   if (common.quiet) return scene;
-  for (const std::string& warning : scene.warnings) fmt::print(stderr, "rayloom: warning: {}: {}\n", name, warning);
+  for (const std::string& warning : scene.warnings) fmt::print(stderr, "rayloom: warning: {}: {}\n", o.scene, warning);
   return scene;
 }
 

@@ -17,8 +17,8 @@ shaders::Renderer make_renderer(const scenes::Scene& scene, const RenderOptions&
 bool render_samples(shaders::Renderer& renderer, const RenderOptions& options, const CommonOptions& common,
                     const std::string& label);
 
-/// Loads a scene and prints its warnings to standard error unless quiet.
-scenes::Scene load_scene(const std::string& name, const CommonOptions& common);
+/// Loads the scene, puts it under the sky the options ask for, and prints its warnings to standard error unless quiet.
+scenes::Scene load_scene(const RenderOptions& options, const CommonOptions& common);
 
 /// What was rendered and how fast, for reports.
 Json to_json(const shaders::Renderer& renderer, uint64_t render_time_ns);

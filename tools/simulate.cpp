@@ -71,7 +71,7 @@ struct Outcome {
 };
 
 Outcome simulate(const SimulateCommand& o, const hwmodel::GpuPreset& preset, const CommonOptions& common) {
-  const scenes::Scene scene = load_scene(o.scene, common);
+  const scenes::Scene scene = load_scene(o, common);
   Outcome outcome;
   shaders::Renderer native = make_renderer(scene, o);
   const Stopwatch watch;

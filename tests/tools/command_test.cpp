@@ -58,6 +58,8 @@ TEST_CASE("A wrong command line is exit code 2, one clear message and an empty s
       {{"render", "cornell", "-o", "a.exr", "--aov", "smell"}, "--aov"},
       {{"render", "cornell", "-o", "a.exr", "--max-bounces", "1000000"}, "--max-bounces"},
       {{"render", "cornell", "-o", "a.exr", "--exposure", "nan"}, "--exposure"},
+      {{"render", "cornell", "-o", "a.exr", "--environment", "1,2"}, "--environment"},
+      {{"render", "cornell", "-o", "a.exr", "--environment", "1,-2,3"}, "--environment"},
       {{"render", "cornell", "--pixel", "4,4", "--size", "4x4"}, "--pixel"},
       {{"render", "cornell", "--pixel", "4"}, "--pixel"},
       {{"render", "cornell", "-o", "a.exr", "--camera", "nonsense"}, "--camera"},

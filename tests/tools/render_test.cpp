@@ -90,6 +90,29 @@ TEST_CASE("One pixel alone equals that pixel of the whole picture") {
   }
 }
 
+TEST_CASE("A constant sky is what rays see that hit nothing, from a colour and from a picture alike") {
+  const Scratch scratch;
+  Image sky{2, 1, {}, {}};
+  for (const auto& [name, value] : {std::pair{"R", 0.25f}, {"G", 0.5f}, {"B", 1.0f}})
+    sky.channels.push_back({name, std::vector<float>{value, value}});
+  write_exr(scratch.file("sky.exr"), sky);
+  const auto picture = [&](const std::string& output, const std::vector<std::string>& more) {
+    render(scratch, {"render", "triangle", "-o", output, "--size", "16x16", "--spp", "1", "-q"}, more);
+    return read_image(scratch.file(output));
+  };
+  const Image color = picture("color.exr", {"--environment", "0.25,0.5,1", "--environment-scale", "2"});
+  const Image image = picture("image.exr", {"--environment", "sky.exr", "--environment-scale", "2"});
+  for (const Image* seen : {&color, &image}) {
+    CHECK(seen->find("R")->floats()[0] == 0.5f);
+    CHECK(seen->find("G")->floats()[0] == 1.0f);
+    CHECK(seen->find("B")->floats()[0] == 2.0f);
+  }
+  CHECK(picture("dark.exr", {"--environment", "none"}).find("G")->floats()[0] == 0);
+  const Outcome missing = scratch.rayloom({"render", "triangle", "-o", "x.exr", "--environment", "gone.exr"});
+  CHECK(missing.exit_code == 3);
+  CHECK_THAT(missing.err, Catch::Contains("gone.exr"));
+}
+
 TEST_CASE("The picture's header names its makers and the command that makes it again") {
   const Scratch scratch;
   render(scratch, small_picture("cornell", "a.exr"));
