@@ -4,6 +4,7 @@
 #include <rayloom/base/output_file.h>
 #include <rayloom/tools/cli.h>
 #include <rayloom/tools/cli_values.h>
+#include <rayloom/tools/flip_report.h>
 #include <rayloom/tools/image_compare.h>
 #include <rayloom/tools/image_io.h>
 #include <rayloom/tools/preview.h>
@@ -22,11 +23,14 @@ constexpr const char* examples =
     "  rayloom diff new.exr old.exr                       exit 0 when equal, 1 when not\n"
     "  rayloom diff a.exr reference.exr --metric relmse --max 1e-3\n"
     "  rayloom diff a.exr b.exr --metric psnr --max 40    exit 1 below 40 dB\n"
-    "  rayloom diff a.exr b.exr -o difference.png         where they differ\n";
+    "  rayloom diff a.exr b.exr -o difference.png         where they differ\n"
+    "  rayloom diff a.png b.png --metric flip -o flip.png how visibly they differ, and where\n";
 
 struct DiffOptions {
   std::string picture, reference, output;
   Metric metric = Metric::mse;
+  bool flip = false;  ///< instead of `metric`
+  FlipOptions flip_options;
   std::optional<double> bound;
 };
 
@@ -71,41 +75,76 @@ void write_difference(const std::string& path, const Image& picture, const Image
   write_png(path, make_heat_map(difference.width, difference.height, largest, quantile(largest, 1)), {});
 }
 
+/// What --metric names, of all channels together.
+struct Measure {
+  const char* name;
+  double value;
+  bool comparable = true;  ///< false: within no bound
+};
+
+Measure measure(const DiffOptions& options, const Comparison& comparison, const std::optional<FlipResult>& flip) {
+  if (flip) return {"flip", flip->mean, flip->incomparable_pixels == 0};
+  return {metric_names[static_cast<size_t>(options.metric)], comparison.overall.value(options.metric)};
+}
+
+bool keeps_bound(const DiffOptions& options, const Measure& measured) {
+  return measured.comparable && (options.flip ? measured.value <= *options.bound
+                                              : within_bound(options.metric, measured.value, *options.bound));
+}
+
+void write_map(const std::string& path, const Image& picture, const Image& reference,
+               const std::optional<FlipResult>& flip) {
+  if (path.empty()) return;
+  flip ? write_flip_map(path, *flip) : write_difference(path, picture, reference);
+}
+
 int run_diff(const DiffOptions& options, const CommonOptions& common) {
+  if (options.flip_options.mode && !options.flip) throw UsageError("--flip-mode: needs --metric flip");
   if (!options.output.empty()) check_writable(options.output);
   check_json_output(common);
   const Image picture = read_image(options.picture);
   const Image reference = read_image(options.reference);
   const Comparison comparison = compare_images(picture, options.picture, reference, options.reference);
-  if (!options.output.empty()) write_difference(options.output, picture, reference);
+  std::optional<FlipResult> flip;
+  if (options.flip) flip = compute_flip(picture, options.picture, reference, options.reference, options.flip_options);
+  write_map(options.output, picture, reference, flip);
 
-  const double value = comparison.overall.value(options.metric);
-  const bool pass =
-      options.bound ? within_bound(options.metric, value, *options.bound) : comparison.overall.different == 0;
-  const char* metric = metric_names[static_cast<size_t>(options.metric)];
+  const Measure measured = measure(options, comparison, flip);
+  const bool pass = options.bound ? keeps_bound(options, measured) : comparison.overall.different == 0;
   std::string verdict = comparison.bits_equal               ? "The pictures are equal bit for bit."
                         : comparison.overall.different == 0 ? "The pictures are equal."
                                                             : "The pictures differ.";
   if (options.bound)
-    verdict += fmt::format(" {} {:.6g}, bound {:.6g}: {}.", metric, value, *options.bound, pass ? "kept" : "missed");
+    verdict += fmt::format(" {} {:.6g}, bound {:.6g}: {}.", measured.name, measured.value, *options.bound,
+                           pass ? "kept" : "missed");
 
   Json report = new_report("diff");
   report["picture"] = options.picture;
   report["reference"] = options.reference;
-  report["metric"] = metric;
-  report["value"] = value;
+  report["metric"] = measured.name;
+  report["value"] = measured.value;
   report["bound"] = options.bound ? Json(*options.bound) : Json();
   report["pass"] = pass;
   report["bits_equal"] = comparison.bits_equal;
+  if (flip) report["flip"] = to_json(*flip);
   report["overall"] = to_json(comparison.overall);
   for (const ChannelError& error : comparison.channels) report["channels"].push_back(to_json(error));
-  print_report(common, report, to_text(comparison, verdict));
+  print_report(common, report, to_text(comparison, (flip ? to_text(*flip) : "") + verdict));
   return pass ? exit_ok : exit_different;
 }
 
-Metric parse_metric(const std::string& text) {
-  if (const auto metric = find_metric(text)) return *metric;
-  throw UsageError(fmt::format("--metric: '{}' is not one of {}", text, fmt::join(metric_names, " ")));
+void parse_metric(const std::string& text, DiffOptions& options) {
+  const auto metric = find_metric(text);
+  options.flip = text == "flip";
+  if (!metric && !options.flip) {
+    throw UsageError(fmt::format("--metric: '{}' is not one of {} flip", text, fmt::join(metric_names, " ")));
+  }
+  options.metric = metric.value_or(Metric::mse);
+}
+
+FlipMode parse_flip_mode(const std::string& text) {
+  if (const auto mode = find_flip_mode(text)) return *mode;
+  throw UsageError(fmt::format("--flip-mode: '{}' is not one of {}", text, fmt::join(flip_mode_names, " ")));
 }
 
 }  // namespace
@@ -120,8 +159,12 @@ void add_diff_command(CLI::App& app, CommonOptions& common, Action& action) {
   sub->add_option("A", options->picture, "The picture")->required();
   sub->add_option("B", options->reference, "The reference r: relmse is the mean of (x-r)^2 / (r^2 + 0.01)")->required();
   sub->add_option_function<std::string>(
-         "--metric", [=](const std::string& text) { options->metric = parse_metric(text); },
-         "What --max bounds: mse, relmse, psnr (dB, peak 1), mae or max [mse]")
+         "--metric", [=](const std::string& text) { parse_metric(text, *options); },
+         "What --max bounds: mse, relmse, psnr (dB, peak 1), mae, max or flip (mean visible difference, 0..1) [mse]")
+      ->type_name("NAME");
+  sub->add_option_function<std::string>(
+         "--flip-mode", [=](const std::string& text) { options->flip_options.mode = parse_flip_mode(text); },
+         "ldr or hdr [hdr for pictures of floats, ldr for 8-bit ones]")
       ->type_name("NAME");
   sub->add_option_function<std::string>(
          "--max",
@@ -131,7 +174,8 @@ void add_diff_command(CLI::App& app, CommonOptions& common, Action& action) {
          "Exit 1 when the overall metric is above V (psnr: below V)")
       ->type_name("V");
   sub->add_option("-o,--output", options->output,
-                  "Write |A-B| of every channel (.exr), or a heat map of the largest (.png)")
+                  "Write |A-B| of every channel (.exr), or a heat map of the largest (.png);\n"
+                  "with --metric flip its error map")
       ->type_name("FILE");
   sub->callback([=, &common, &action] { action = [=, &common] { return run_diff(*options, common); }; });
 }

@@ -28,6 +28,7 @@ struct Image {
   uint32_t width = 0, height = 0;
   std::vector<Channel> channels;
   Metadata metadata;
+  bool is_encoded = false;  ///< floats were read from 8- or 16-bit integers: sRGB-encoded in [0,1], not linear light
 
   uint64_t pixel_count() const { return uint64_t{width} * height; }
   const Channel* find(std::string_view name) const {

@@ -110,6 +110,7 @@ Image read_image(const std::string& path) {
   Image image;
   image.width = static_cast<uint32_t>(input->spec().width);
   image.height = static_cast<uint32_t>(input->spec().height);
+  image.is_encoded = !input->spec().format.is_floating_point() && input->spec().format.basesize() < 4;
   for (int part = 0; input->seek_subimage(part, 0); ++part) {
     const OIIO::ImageSpec spec = input->spec();
     const std::string prefix = part == 0 ? std::string() : part_name(spec, part) + ".";

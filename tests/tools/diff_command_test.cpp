@@ -3,6 +3,7 @@
 #include "run_command.h"
 
 #include <catch2/catch.hpp>
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 using namespace rayloom::tools;
@@ -55,6 +56,62 @@ TEST_CASE("diff writes where the pictures differ") {
   const Image heat = read_image(scratch.file("d.png"));
   CHECK(heat.find("R")->floats()[0] == 0);
   CHECK(heat.find("R")->floats()[2] == 1);
+}
+
+TEST_CASE("diff measures FLIP, bounds it and writes its map") {
+  const Scratch scratch;
+  write_exr(scratch.file("a.exr"), grey({0.1f, 0.2f, 0.3f}));
+  write_exr(scratch.file("b.exr"), grey({0.1f, 0.2f, 0.6f}));
+  const auto diff = [&](std::vector<std::string> more) {
+    more.insert(more.begin(), {"diff", "a.exr", "b.exr", "--metric", "flip"});
+    return scratch.rayloom(more);
+  };
+  const auto report = nlohmann::json::parse(diff({"--json", "-o", "map.exr"}).out);
+  CHECK(report["metric"] == "flip");
+  CHECK(report["flip"]["mode"] == "hdr");
+  CHECK(report["flip"]["exposures"]["count"] == 2);
+  CHECK(report["flip"]["pixels_per_degree"] == 67.0206);
+  CHECK(report["flip"]["incomparable_pixels"] == 0);
+  const double value = report["value"];
+  CHECK(value == report["flip"]["mean"].get<double>());
+  const std::vector<float> map = read_image(scratch.file("map.exr")).find("FLIP")->floats();
+  CHECK((map[0] + map[1] + map[2]) / 3 == Approx(value));
+
+  CHECK(diff({}).exit_code == 1);
+  CHECK(diff({"--max", std::to_string(value + 1e-3)}).exit_code == 0);
+  CHECK(diff({"--max", std::to_string(value - 1e-3), "-o", "map.png"}).exit_code == 1);
+  CHECK(read_image(scratch.file("map.png")).find("R")->floats().size() == 3);
+  const auto ldr = nlohmann::json::parse(diff({"--json", "--flip-mode", "ldr"}).out);
+  CHECK(ldr["flip"]["mode"] == "ldr");
+  CHECK(ldr["flip"]["exposures"].is_null());
+  CHECK(ldr["value"].get<double>() != value);
+}
+
+TEST_CASE("diff takes 8-bit pictures as a screen shows them, and no bound covers NaN") {
+  const Scratch scratch;
+  write_png(scratch.file("a.png"), {2, 1, {0, 0, 0, 255, 255, 255}}, {});
+  write_png(scratch.file("b.png"), {2, 1, {0, 0, 0, 250, 255, 255}}, {});
+  const auto report =
+      nlohmann::json::parse(scratch.rayloom({"diff", "a.png", "b.png", "--metric", "flip", "--json"}).out);
+  CHECK(report["flip"]["mode"] == "ldr");
+  CHECK(report["value"].get<double>() > 0);
+  write_exr(scratch.file("a.exr"), grey({1, 2, std::nanf("")}));
+  write_exr(scratch.file("b.exr"), grey({1, 2, 3}));
+  CHECK(scratch.rayloom({"diff", "a.exr", "b.exr", "--metric", "flip", "--max", "1"}).exit_code == 1);
+}
+
+TEST_CASE("diff refuses FLIP options it cannot follow") {
+  const Scratch scratch;
+  write_exr(scratch.file("a.exr"), grey({1, 2, 3}));
+  write_exr(scratch.file("depth.exr"), {3, 1, {{"Z", std::vector<float>{1, 2, 3}}}, {}});
+  const auto exit_code = [&](std::vector<std::string> arguments) {
+    arguments.insert(arguments.begin(), "diff");
+    return scratch.rayloom(arguments).exit_code;
+  };
+  CHECK(exit_code({"a.exr", "a.exr", "--metric", "flop"}) == 2);
+  CHECK(exit_code({"a.exr", "a.exr", "--metric", "flip", "--flip-mode", "sdr"}) == 2);
+  CHECK(exit_code({"a.exr", "a.exr", "--flip-mode", "ldr"}) == 2);
+  CHECK(exit_code({"depth.exr", "depth.exr", "--metric", "flip"}) == 3);
 }
 
 TEST_CASE("diff refuses what cannot be compared") {
