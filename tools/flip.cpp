@@ -5,6 +5,8 @@
 #include <rayloom/tools/flip_color.h>
 #include <rayloom/tools/flip_error.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace rayloom::tools {
@@ -19,10 +21,25 @@ const std::vector<float>& samples(const Image& image, const std::string& name, c
   throw InputError(name, std::string("channel ") + channel_name, "is missing: FLIP compares colours, R, G and B");
 }
 
+/// decode_srgb, looked up for the values that 8 bits can say.
+float decode(float value) {
+  using Table = std::array<std::array<float, 2>, 256>;
+  static const Table table = [] {
+    Table entries;
+    for (size_t i = 0; i < entries.size(); ++i) {
+      const float encoded = static_cast<float>(i) * (1 / 255.0f);
+      entries[i] = {encoded, flip::decode_srgb(encoded)};
+    }
+    return entries;
+  }();
+  const auto index = static_cast<size_t>(std::min(value, 1.0f) * 255 + 0.5f);
+  return table[index][0] == value ? table[index][1] : flip::decode_srgb(value);
+}
+
 /// Linear and at least 0; at most 1 in ldr mode.
 float to_linear(float value, bool encoded, FlipMode mode) {
   if (!(value > 0)) return 0;
-  const float linear = encoded ? flip::decode_srgb(value) : value;
+  const float linear = encoded ? decode(value) : value;
   return mode == FlipMode::ldr ? std::min(linear, 1.0f) : linear;
 }
 
