@@ -2,15 +2,9 @@
 
 #include <rayloom/accel/layout.h>
 
-#include <bit>
 #include <cassert>
 
 namespace rayloom::accel {
-
-/// What a push tells nobody.
-struct NoHint {
-  void operator()(uint32_t /*ref*/) const {}
-};
 
 /// Nodes and leaves still to visit, the next one on top. No tree is deep enough to overflow it (max_depth).
 class TraversalStack {
@@ -27,33 +21,14 @@ class TraversalStack {
     entries_[size_++] = {ref, near};
   }
 
-  /// Children of `mask`, the lowest lane on top. `hint` hears of each reference as it is pushed.
-  template <class Hint = NoHint>
-  void push_in_order(const Node8& node, uint32_t mask, const float (&near)[8], Hint hint = {}) {
-    for (; mask != 0; mask &= ~(1u << top_lane(mask))) {
-      const int lane = top_lane(mask);
-      hint(node.child[lane]);
-      push(node.child[lane], near[lane]);
-    }
+  /// Writes entry `i` above the top, which grow() makes part of the stack.
+  void place(uint32_t i, Entry entry) {
+    assert(size_ + i < stack_entries);
+    entries_[size_ + i] = entry;
   }
-
-  /// Children of `mask`, the nearest on top and the lowest lane before its equals.
-  template <class Hint = NoHint>
-  void push_sorted(const Node8& node, uint32_t mask, const float (&near)[8], Hint hint = {}) {
-    assert(size_ + static_cast<uint32_t>(std::popcount(mask)) <= stack_entries);
-    const uint32_t first = size_;
-    for (; mask != 0; mask &= ~(1u << top_lane(mask))) {
-      const int lane = top_lane(mask);
-      hint(node.child[lane]);
-      uint32_t place = size_++;
-      for (; place > first && entries_[place - 1].near < near[lane]; --place) entries_[place] = entries_[place - 1];
-      entries_[place] = {node.child[lane], near[lane]};
-    }
-  }
+  void grow(uint32_t count) { size_ += count; }
 
  private:
-  static int top_lane(uint32_t mask) { return 31 - std::countl_zero(mask); }
-
   uint32_t size_ = 0;
   Entry entries_[stack_entries];
 };

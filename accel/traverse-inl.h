@@ -21,6 +21,7 @@
 
 #include <bit>
 #include <optional>
+#include <utility>
 
 #ifdef HWY_TARGET_INCLUDE
 #include <rayloom/accel/simd/lanes-inl.h>
@@ -37,11 +38,16 @@ namespace rayloom::accel::RAYLOOM_LANES {
 
 /// A structure as one ray sees it. Distances are in the box space of this level's prepared ray.
 struct Level {
-  Level(const std::byte* structure, const PreparedRay& prepared, const Search& search)
-      : block(structure), ray(prepared), lanes(ray), t_near(ray.near_limit(ray.t_min)) {
+  /// pad_scale: see prepare_ray(). Nothing may be traced if ray.valid is false.
+  Level(const std::byte* structure, const Ray& unprepared, float pad_scale, const Search& search)
+      : block(structure),
+        ray(prepare_ray(unprepared, header().bounds_min, header().bounds_max, pad_scale)),
+        lanes(ray),
+        t_near(ray.near_limit(ray.t_min)) {
     shorten(search);
   }
   void shorten(const Search& search) { t_far = ray.far_limit(search.t()); }
+  const StructureHeader& header() const { return header_of(block); }
 
   const std::byte* block;
   const PreparedRay ray;
@@ -49,35 +55,71 @@ struct Level {
   float t_near, t_far;
 };
 
-/// Children that the ray meets: nearest first, equals by lane; in stored order for rays that take any hit, for which
-/// Collapse has put the most promising child first.
+using Child = TraversalStack::Entry;
+
+/// Stacks all children of `mask` but the first, which it returns: each goes straight to the place that its rank gives.
+[[gnu::always_inline]] inline Child rank_children(const Node8& node, uint32_t mask, const float (&near)[8],
+                                                  bool in_order, Prefetch prefetch, TraversalStack& stack) {
+  const auto others = static_cast<uint32_t>(std::popcount(mask)) - 1;
+  Child first{};
+  for (uint32_t left = mask; left != 0; left &= left - 1) {
+    const int lane = std::countr_zero(left);
+    const Child child{node.child[lane], near[lane]};
+    prefetch(child.ref);
+    const uint32_t before = mask & (in_order ? (1u << lane) - 1 : lanes_before(near, lane));
+    if (before == 0) first = child;
+    stack.place(others - static_cast<uint32_t>(std::popcount(before)), child);
+  }
+  stack.grow(others);
+  return first;
+}
+
+/// The child to visit next of those that the ray meets, at least one; the others go on the stack. Nearest first, equals
+/// by lane; in stored order for rays that take any hit, for which Collapse has put the most promising child first.
+[[gnu::always_inline]] inline Child first_child(const Node8& node, uint32_t mask, const float (&near)[8], bool in_order,
+                                                Prefetch prefetch, TraversalStack& stack) {
+  const int lane = std::countr_zero(mask);
+  Child first{node.child[lane], near[lane]};
+  const uint32_t others = mask & (mask - 1);
+  if ((others & (others - 1)) != 0) return rank_children(node, mask, near, in_order, prefetch, stack);
+  prefetch(first.ref);
+  if (others == 0) return first;
+  const int other_lane = std::countr_zero(others);
+  Child second{node.child[other_lane], near[other_lane]};
+  prefetch(second.ref);
+  if (!in_order && second.near < first.near) std::swap(first, second);
+  stack.push(second.ref, second.near);
+  return first;
+}
+
+/// From `ref` down through first children, to a leaf. False where a node has no child that the ray meets.
 template <class Visitor>
-[[gnu::always_inline]] inline void visit_node(const Level& level, const Search& search, uint32_t ref,
-                                              TraversalStack& stack, Visitor& visitor) {
-  const auto* node = reinterpret_cast<const Node8*>(level.block + node_ref::offset(ref));
-  alignas(32) float near[8];
-  const uint32_t mask = test_node(level.lanes, *node, level.t_near, level.t_far, near);
-  visitor.on_node(node, mask, near);
-  if (search.request().ray_flags & ray_flag::accept_first_hit_and_end_search)
-    stack.push_in_order(*node, mask, near, Prefetch{level.block});
-  else
-    stack.push_sorted(*node, mask, near, Prefetch{level.block});
+[[gnu::always_inline]] inline bool descend(const Level& level, bool in_order, uint32_t& ref, TraversalStack& stack,
+                                           Visitor& visitor) {
+  while (!node_ref::is_leaf(ref)) {
+    const auto* node = reinterpret_cast<const Node8*>(level.block + node_ref::offset(ref));
+    alignas(32) float near[8];
+    const uint32_t mask = test_node(level.lanes, *node, level.t_near, level.t_far, near);
+    visitor.on_node(node, mask, near);
+    if (mask == 0) return false;
+    const Child next = first_child(*node, mask, near, in_order, Prefetch{level.block}, stack);
+    ref = next.ref;
+    visitor.on_pop(ref, next.near, false);
+  }
+  return true;
 }
 
 /// Depth first over one structure. `leaves.visit(level, address, search, visitor)` tests a leaf. True: search ended.
 template <class Leaves, class Visitor>
 bool traverse_level(Level& level, const Leaves& leaves, Search& search, Visitor& visitor) {
+  const bool in_order = search.request().ray_flags & ray_flag::accept_first_hit_and_end_search;
   TraversalStack stack;
-  stack.push(header_of(level.block).root, level.t_near);
+  stack.push(level.header().root, level.t_near);
   while (!stack.empty()) {
-    const auto [ref, near] = stack.pop();
+    auto [ref, near] = stack.pop();
     const bool culled = near > level.t_far;
     visitor.on_pop(ref, near, culled);
-    if (culled) continue;
-    if (!node_ref::is_leaf(ref)) {
-      visit_node(level, search, ref, stack, visitor);
-      continue;
-    }
+    if (culled || !descend(level, in_order, ref, stack, visitor)) continue;
     const Offer offer = leaves.visit(level, level.block + node_ref::offset(ref), search, visitor);
     if (offer == Offer::ended) return true;
     if (offer == Offer::committed) level.shorten(search);
@@ -148,11 +190,10 @@ inline bool wants(const TraceRequest& request, const StructureHeader& header) {
 template <class Visitor>
 bool traverse_bottom(const std::byte* block, const Ray& ray, const InstanceRules& rules, Search& search,
                      Visitor& visitor) {
-  const StructureHeader& header = header_of(block);
-  const PreparedRay prepared = prepare_ray(ray, header.bounds_min, header.bounds_max);
-  if (!prepared.valid) return false;
-  Level level(block, prepared, search);
-  if (header.kind == StructureKind::triangles) return traverse_level(level, TriangleLeaves{rules}, search, visitor);
+  Level level(block, ray, 1, search);
+  if (!level.ray.valid) return false;
+  if (level.header().kind == StructureKind::triangles)
+    return traverse_level(level, TriangleLeaves{rules}, search, visitor);
   return traverse_level(level, ProceduralLeaves{rules}, search, visitor);
 }
 
@@ -187,10 +228,8 @@ Hit traverse(AddressSpace addresses, const TraceRequest& request, Visitor& visit
     if (wants(request, header)) traverse_bottom(request.structure, request.ray, rules, search, visitor);
     return search.hit();
   }
-  const PreparedRay prepared = prepare_ray(request.ray, header.bounds_min, header.bounds_max, header.pad_scale);
-  if (!prepared.valid) return search.hit();
-  Level level(request.structure, prepared, search);
-  traverse_level(level, InstanceLeaves{addresses}, search, visitor);
+  Level level(request.structure, request.ray, header.pad_scale, search);
+  if (level.ray.valid) traverse_level(level, InstanceLeaves{addresses}, search, visitor);
   return search.hit();
 }
 

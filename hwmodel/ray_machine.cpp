@@ -60,11 +60,10 @@ void RayMachine::enter_structure() {
 
 void RayMachine::push_root(const std::byte* block, const accel::Ray& ray, float pad_scale) {
   const StructureHeader& header = accel::header_of(block);
-  const accel::PreparedRay prepared = accel::prepare_ray(ray, header.bounds_min, header.bounds_max, pad_scale);
-  if (!prepared.valid) return;
   const bool bottom = header.kind != StructureKind::instances;
   auto& level = bottom ? bottom_ : top_;
-  level.emplace(block, prepared, *search_);
+  level.emplace(block, ray, pad_scale, *search_);
+  if (!level->ray.valid) return level.reset();
   (bottom ? bottom_stack_ : top_stack_).push(header.root, level->t_near);
 }
 

@@ -83,6 +83,13 @@ HWY_INLINE uint32_t test_node(const RayLanes& ray, const Node8& node, float t_ne
   return mask_bits(hn::Le(intervals.entry, intervals.exit));
 }
 
+/// See scalar::lanes_before().
+HWY_INLINE uint32_t lanes_before(const float near[8], int lane) {
+  const Floats d;
+  const FloatLanes all = hn::LoadU(d, near), own = hn::Set(d, near[lane]);
+  return mask_bits(hn::Lt(all, own)) | (mask_bits(hn::Eq(all, own)) & ((1u << lane) - 1));
+}
+
 /// See scalar::test_boxes().
 HWY_INLINE uint32_t test_boxes(const RayLanes& ray, const ProceduralLeaf8& leaf, float t_near, float t_far) {
   const BoxIntervals intervals = box_intervals(ray, &leaf.bounds[0][0][0], t_near, t_far);

@@ -49,6 +49,13 @@ inline uint32_t test_node(const RayLanes& lanes, const Node8& node, float t_near
   return mask;
 }
 
+/// Lanes nearer than `lane`, and the equally near below it.
+inline uint32_t lanes_before(const float near[8], int lane) {
+  uint32_t mask = 0;
+  for (int i = 0; i < 8; ++i) mask |= uint32_t{i < lane ? near[i] <= near[lane] : near[i] < near[lane]} << i;
+  return mask;
+}
+
 /// Mask of the used procedural boxes the ray may meet. Conservative: DXR lets an intersection shader run for more.
 inline uint32_t test_boxes(const RayLanes& lanes, const ProceduralLeaf8& leaf, float t_near, float t_far) {
   uint32_t mask = 0;

@@ -22,6 +22,7 @@ struct LaneFunctions {
   uint32_t (*node)(const PreparedRay&, const Node8&, float t_near, float t_far, float near_out[8]);
   uint32_t (*boxes)(const PreparedRay&, const ProceduralLeaf8&, float t_near, float t_far);
   LeafMasks (*triangles)(const PreparedRay&, const TriangleLeaf8&);
+  uint32_t (*before)(const float near[8], int lane);
 };
 
 }  // namespace rayloom::accel
@@ -46,7 +47,9 @@ LeafMasks run_triangles(const PreparedRay& ray, const TriangleLeaf8& leaf) {
   return test_triangles(RayLanes(ray), leaf);
 }
 
-LaneFunctions lane_functions() { return {run_node, run_boxes, run_triangles}; }
+uint32_t run_before(const float near[8], int lane) { return lanes_before(near, lane); }
+
+LaneFunctions lane_functions() { return {run_node, run_boxes, run_triangles, run_before}; }
 
 #endif
 
@@ -100,6 +103,18 @@ TEST_CASE("node tests give the same bits on every target", "[unit]") {
     }
     std::printf("%s: %d boxes entered\n", target.name, visited);
     CHECK(visited > 100000);
+  }
+}
+
+TEST_CASE("lanes are ordered in the same way on every target", "[unit]") {
+  for (const Target& target : supported_targets()) {
+    Random random(24);
+    for (int i = 0; i < 20000; ++i) {
+      float near[8];
+      for (float& distance : near) distance = static_cast<float>(random.below(4));
+      const auto lane = static_cast<int>(random.below(8));
+      REQUIRE(target.functions.before(near, lane) == scalar::lanes_before(near, lane));
+    }
   }
 }
 

@@ -1,4 +1,4 @@
-#include <rayloom/accel/traversal_stack.h>
+#include <rayloom/accel/traverse-inl.h>
 
 #include <catch2/catch.hpp>
 
@@ -10,7 +10,7 @@
 using namespace rayloom::accel;
 using namespace rayloom::accel::test;
 
-TEST_CASE("children come off the stack nearest first, equals by lane, over what lay there before") {
+TEST_CASE("children come nearest first, equals by lane, or in stored order, over what lay on the stack before") {
   Random random(71);
   for (int i = 0; i < 2000; ++i) {
     Node8 node{};
@@ -19,18 +19,19 @@ TEST_CASE("children come off the stack nearest first, equals by lane, over what 
       node.child[lane] = 100 + lane;
       near[lane] = static_cast<float>(random.below(4));
     }
-    const uint32_t mask = random.below(256);
+    const uint32_t mask = 1 + random.below(255);
     TraversalStack stack;
     stack.push(7, 0);
     const bool sorted = random.chance(2);
-    sorted ? stack.push_sorted(node, mask, near) : stack.push_in_order(node, mask, near);
+    const scalar::Child first =
+        scalar::first_child(node, mask, near, !sorted, Prefetch{reinterpret_cast<const std::byte*>(&node)}, stack);
 
     std::vector<uint32_t> expected;
     for (uint32_t lane = 0; lane < 8; ++lane)
       if (mask >> lane & 1) expected.push_back(lane);
     if (sorted) std::stable_sort(expected.begin(), expected.end(), [&](auto a, auto b) { return near[a] < near[b]; });
     for (const uint32_t lane : expected) {
-      const auto [ref, distance] = stack.pop();
+      const auto [ref, distance] = lane == expected.front() ? first : stack.pop();
       REQUIRE(ref == 100 + lane);
       REQUIRE(distance == near[lane]);
     }
