@@ -4,6 +4,8 @@
 // bits do not depend on how the samples were split into batches.
 
 #include <rayloom/runtime/buffer_views.h>
+#include <rayloom/runtime/stage_context.h>
+#include <rayloom/shaders/sampler.h>
 #include <rayloom/shaders/vector_math.h>
 
 namespace rayloom::shaders {
@@ -34,5 +36,15 @@ struct FilmArguments {
   uint2 pixel(uint3 launch_index) const { return window_origin + uint2(launch_index); }
   uint64_t slot(uint3 launch_index) const { return uint64_t{launch_index.y} * window_size.x + launch_index.x; }
 };
+
+/// A ray generation shader's loop: add(sampler, pixel, sums) for each sample of the launch's pixel.
+template <class AddSample>
+void add_samples(RayGenContext& ctx, const AddSample& add) {
+  const auto film = ctx.GlobalRoot<FilmArguments>();
+  const uint2 pixel = film.pixel(ctx.DispatchRaysIndex());
+  PixelSums sums = film.pixels[film.slot(ctx.DispatchRaysIndex())];
+  for (uint32_t i = 0; i < film.sample_count; ++i) add(Sampler(pixel, film.first_sample + i, film.seed), pixel, sums);
+  film.pixels[film.slot(ctx.DispatchRaysIndex())] = sums;
+}
 
 }  // namespace rayloom::shaders

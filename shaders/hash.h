@@ -3,16 +3,11 @@
 // Integer hashes: the source of every random number here. A number is a function of what it is for, never of when it is
 // drawn, so pictures do not depend on the order of execution.
 
+#include <rayloom/base/hash.h>
+
 #include <cstdint>
 
 namespace rayloom::shaders {
-
-/// A bijection of 64-bit integers (finalizer of SplitMix64: Steele, Lea, Flood 2014).
-constexpr uint64_t mix64(uint64_t x) {
-  x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9u;
-  x = (x ^ (x >> 27)) * 0x94d049bb133111ebu;
-  return x ^ (x >> 31);
-}
 
 constexpr uint64_t hash_combine(uint64_t state, uint64_t value) {
   return mix64(state + 0x9e3779b97f4a7c15u + mix64(value));
@@ -20,7 +15,7 @@ constexpr uint64_t hash_combine(uint64_t state, uint64_t value) {
 
 /// [0, 1) with 24 bits: the top ones, so that strata of a radical inverse keep their place.
 constexpr float unit_float(uint32_t bits) { return static_cast<float>(bits >> 8) * 0x1p-24f; }
-constexpr float unit_float(uint64_t hash) { return unit_float(static_cast<uint32_t>(hash >> 32)); }
+using rayloom::unit_float;  // of 64 bits
 
 /// What decides whether a candidate hit of a partly transparent primitive counts. It names the candidate alone, so the
 /// verdict is the same in whatever order, and however often, traversal asks (guarantee G3b).

@@ -30,12 +30,8 @@ struct OcclusionRayGeneration {
   float distance;
 
   void operator()(RayGenContext& ctx) const {
-    const auto film = ctx.GlobalRoot<FilmArguments>();
-    const uint2 pixel = film.pixel(ctx.DispatchRaysIndex());
-    PixelSums sums = film.pixels[film.slot(ctx.DispatchRaysIndex())];
-    for (uint32_t i = 0; i < film.sample_count; ++i)
-      add_sample(ctx, Sampler(pixel, film.first_sample + i, film.seed), pixel, sums);
-    film.pixels[film.slot(ctx.DispatchRaysIndex())] = sums;
+    add_samples(ctx,
+                [&](const Sampler& sampler, uint2 pixel, PixelSums& sums) { add_sample(ctx, sampler, pixel, sums); });
   }
 
  private:

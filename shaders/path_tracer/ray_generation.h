@@ -14,12 +14,8 @@ struct PathTracerRayGeneration {
   Camera camera;
 
   void operator()(RayGenContext& ctx) const {
-    const auto film = ctx.GlobalRoot<FilmArguments>();
-    const uint2 pixel = film.pixel(ctx.DispatchRaysIndex());
-    PixelSums sums = film.pixels[film.slot(ctx.DispatchRaysIndex())];
-    for (uint32_t i = 0; i < film.sample_count; ++i)
-      trace_path(ctx, Sampler(pixel, film.first_sample + i, film.seed), pixel, sums);
-    film.pixels[film.slot(ctx.DispatchRaysIndex())] = sums;
+    add_samples(ctx,
+                [&](const Sampler& sampler, uint2 pixel, PixelSums& sums) { trace_path(ctx, sampler, pixel, sums); });
   }
 
  private:

@@ -29,9 +29,7 @@ glm::vec3 facing_normal(const TriangleSoup& soup, uint32_t primitive, glm::vec3 
   return glm::dot(n, direction) > 0 ? -n : n;
 }
 
-float random_unit(uint64_t index, uint64_t dimension) {
-  return static_cast<float>(hash64(index, dimension) >> 40) * 0x1p-24f;
-}
+float random_unit(uint64_t index, uint64_t dimension) { return unit_float(hash64(index, dimension)); }
 
 /// Cosine distributed: the normal plus a point on the unit sphere.
 glm::vec3 bounce_direction(glm::vec3 normal, uint64_t index) {
