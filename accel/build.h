@@ -5,6 +5,7 @@
 // Same input, same bytes, for any thread count (DET-07).
 
 #include <rayloom/accel/build_input.h>
+#include <rayloom/accel/build_settings.h>
 
 #include <span>
 
@@ -22,18 +23,18 @@ struct AddressSpace {
   }
 };
 
-BuildSizes bottom_level_sizes(std::span<const TriangleGeometry> geometries, uint32_t build_flags);
-BuildSizes bottom_level_sizes(std::span<const AabbGeometry> geometries, uint32_t build_flags);
-BuildSizes top_level_sizes(uint64_t instance_count, uint32_t build_flags);
+BuildSizes bottom_level_sizes(std::span<const TriangleGeometry> geometries, const BuildSettings& settings);
+BuildSizes bottom_level_sizes(std::span<const AabbGeometry> geometries, const BuildSettings& settings);
+BuildSizes top_level_sizes(uint64_t instance_count, const BuildSettings& settings);
 
 /// Each build writes `result` (aligned to structure_alignment, at least result_bytes long) and returns the bytes it
 /// used, the structure's current size. Throws InputError for input no rule gives a meaning to (an index out of range,
 /// a count over its limit, memory too small), std::bad_alloc when scratch memory cannot be had.
-uint64_t build_bottom_level(std::span<const TriangleGeometry> geometries, uint32_t build_flags,
+uint64_t build_bottom_level(std::span<const TriangleGeometry> geometries, const BuildSettings& settings,
                             std::span<std::byte> result);
-uint64_t build_bottom_level(std::span<const AabbGeometry> geometries, uint32_t build_flags,
+uint64_t build_bottom_level(std::span<const AabbGeometry> geometries, const BuildSettings& settings,
                             std::span<std::byte> result);
-uint64_t build_top_level(std::span<const InstanceDesc> instances, AddressSpace addresses, uint32_t build_flags,
+uint64_t build_top_level(std::span<const InstanceDesc> instances, AddressSpace addresses, const BuildSettings& settings,
                          std::span<std::byte> result);
 
 /// What a finished block says of itself.
@@ -41,6 +42,7 @@ struct StructureInfo {
   bool top_level = false;
   bool procedural = false;
   uint32_t build_flags = 0;
+  Builder builder = Builder::automatic;  ///< the one that ran
   uint64_t bytes = 0;
   uint32_t depth = 0;  ///< of the wide tree, in nodes
   uint64_t nodes = 0, leaves = 0;

@@ -4,6 +4,7 @@
 #include <rayloom/accel/procedural_input.h>
 #include <rayloom/accel/ray.h>
 #include <rayloom/accel/sizes.h>
+#include <rayloom/accel/tree_builder.h>
 #include <rayloom/accel/triangle_input.h>
 #include <rayloom/base/float_environment.h>
 
@@ -13,8 +14,8 @@ namespace rayloom::accel {
 namespace {
 
 template <class Geometry>
-StructureHeader header_for(StructureKind kind, uint32_t build_flags, std::span<const Geometry> geometries) {
-  StructureHeader header = empty_header(kind, build_flags);
+StructureHeader header_for(StructureKind kind, const BuildSettings& settings, std::span<const Geometry> geometries) {
+  StructureHeader header = empty_header(kind, settings);
   header.primitive_count = checked_count(geometries);
   header.geometry_count = static_cast<uint32_t>(geometries.size());
   for (const Geometry& geometry : geometries) header.non_opaque_count += !(geometry.flags & geometry_flag::opaque);
@@ -66,18 +67,21 @@ void write_leaf(std::span<const AabbGeometry> geometries, std::span<const Primit
   std::memcpy(address, &leaf, sizeof(leaf));
 }
 
-template <class Leaf, class Geometry>
-uint64_t build(std::span<const Geometry> geometries, std::span<PrimitiveRef> refs, const StructureHeader& input,
-               std::byte* block) {
-  StructureHeader header = input;
-  if (!refs.empty()) {
-    const uint64_t budget = leaf_budget(header.primitive_count, leaf_width, header.build_flags);
-    const BinaryTree tree = build_binary_tree(refs, {leaf_width, budget});
-    const WideTree wide = make_wide_tree(tree, sizeof(StructureHeader), sizeof(Leaf));
-    write_tree(tree, wide, refs, block, [&](std::span<const PrimitiveRef> range, std::byte* address) {
+std::span<const TriangleGeometry> to_clip(std::span<const TriangleGeometry> geometries) { return geometries; }
+std::span<const TriangleGeometry> to_clip(std::span<const AabbGeometry>) { return {}; }
+
+template <class Geometry>
+uint64_t build(std::span<const Geometry> geometries, PrimitiveRefs refs, const BuildSettings& settings,
+               StructureHeader header, std::byte* block) {
+  if (const size_t active = refs.size(); active > 0) {
+    TreeInput input = tree_input(header.kind, header.primitive_count, settings);
+    input.triangles = to_clip(geometries);
+    const BuiltTree built = build_tree(std::move(refs), input);
+    const WideTree wide = make_wide_tree(built.tree, sizeof(StructureHeader), leaf_bytes(header.kind));
+    write_tree(built.tree, wide, built.refs, block, [&](std::span<const PrimitiveRef> range, std::byte* address) {
       write_leaf(geometries, range, address);
     });
-    describe_tree(tree, wide, refs.size(), header);
+    describe_tree(built.tree, wide, active, header);
   }
   std::memcpy(block, &header, sizeof(header));
   return header.bytes;
@@ -85,24 +89,22 @@ uint64_t build(std::span<const Geometry> geometries, std::span<PrimitiveRef> ref
 
 }  // namespace
 
-uint64_t build_bottom_level(std::span<const TriangleGeometry> geometries, uint32_t build_flags,
+uint64_t build_bottom_level(std::span<const TriangleGeometry> geometries, const BuildSettings& settings,
                             std::span<std::byte> result) {
   const FloatEnvironment environment;
-  check_result(result, bottom_level_sizes(geometries, build_flags).result_bytes);
+  check_result(result, bottom_level_sizes(geometries, settings).result_bytes);
   check_geometries(geometries);
-  std::vector<PrimitiveRef> refs = triangle_refs(geometries, build_flags & build_flag::allow_update);
-  return build<TriangleLeaf8>(geometries, refs, header_for(StructureKind::triangles, build_flags, geometries),
-                              result.data());
+  return build(geometries, triangle_refs(geometries, settings.flags & build_flag::allow_update), settings,
+               header_for(StructureKind::triangles, settings, geometries), result.data());
 }
 
-uint64_t build_bottom_level(std::span<const AabbGeometry> geometries, uint32_t build_flags,
+uint64_t build_bottom_level(std::span<const AabbGeometry> geometries, const BuildSettings& settings,
                             std::span<std::byte> result) {
   const FloatEnvironment environment;
-  check_result(result, bottom_level_sizes(geometries, build_flags).result_bytes);
+  check_result(result, bottom_level_sizes(geometries, settings).result_bytes);
   check_geometries(geometries);
-  std::vector<PrimitiveRef> refs = procedural_refs(geometries);
-  return build<ProceduralLeaf8>(geometries, refs, header_for(StructureKind::procedurals, build_flags, geometries),
-                                result.data());
+  return build(geometries, procedural_refs(geometries), settings,
+               header_for(StructureKind::procedurals, settings, geometries), result.data());
 }
 
 }  // namespace rayloom::accel

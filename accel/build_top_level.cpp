@@ -5,6 +5,7 @@
 #include <rayloom/accel/instance_transform.h>
 #include <rayloom/accel/sizes.h>
 #include <rayloom/accel/structure.h>
+#include <rayloom/accel/tree_builder.h>
 #include <rayloom/base/error.h>
 #include <rayloom/base/float_environment.h>
 
@@ -93,16 +94,15 @@ void write_record(const InstanceDesc& desc, uint32_t index, std::byte* address) 
   std::memcpy(address, &record, sizeof(record));
 }
 
-std::vector<PrimitiveRef> instance_refs(std::span<const InstanceDesc> instances, AddressSpace addresses,
-                                        bool keep_hidden) {
-  std::vector<PrimitiveRef> refs;
+PrimitiveRefs instance_refs(std::span<const InstanceDesc> instances, AddressSpace addresses, bool keep_hidden) {
+  PrimitiveRefs refs;
   append_refs(refs, instances.size(),
               [&](uint32_t i) { return instance_ref(instances[i], addresses, i, keep_hidden); });
   return refs;
 }
 
-StructureHeader top_level_header(std::span<const InstanceDesc> instances, uint32_t build_flags) {
-  StructureHeader header = empty_header(StructureKind::instances, build_flags);
+StructureHeader top_level_header(std::span<const InstanceDesc> instances, const BuildSettings& settings) {
+  StructureHeader header = empty_header(StructureKind::instances, settings);
   header.primitive_count = instances.size();
   for (const InstanceDesc& desc : instances)
     header.non_opaque_count += (desc.flags & instance_flag::force_non_opaque) != 0;
@@ -111,21 +111,22 @@ StructureHeader top_level_header(std::span<const InstanceDesc> instances, uint32
 
 }  // namespace
 
-uint64_t build_top_level(std::span<const InstanceDesc> instances, AddressSpace addresses, uint32_t build_flags,
+uint64_t build_top_level(std::span<const InstanceDesc> instances, AddressSpace addresses, const BuildSettings& settings,
                          std::span<std::byte> result) {
   const FloatEnvironment environment;
-  check_result(result, top_level_sizes(instances.size(), build_flags).result_bytes);
-  StructureHeader header = top_level_header(instances, build_flags);
-  std::vector<PrimitiveRef> refs = instance_refs(instances, addresses, build_flags & build_flag::allow_update);
-  if (!refs.empty()) {
-    BinaryTree tree = build_binary_tree(refs, {1, leaf_budget(instances.size(), 1, build_flags)});
-    const WideTree wide = make_wide_tree(tree, sizeof(StructureHeader), sizeof(InstanceRecord));
-    describe_tree(tree, wide, refs.size(), header);
-    header.pad_scale = pad_scale(instances, refs).round_up();
-    open_ill_conditioned(instances, refs, tree);
-    write_tree(tree, wide, refs, result.data(), [&](std::span<const PrimitiveRef> leaf, std::byte* address) {
-      write_record(instances[leaf[0].primitive], leaf[0].primitive, address);
-    });
+  check_result(result, top_level_sizes(instances.size(), settings).result_bytes);
+  StructureHeader header = top_level_header(instances, settings);
+  PrimitiveRefs refs = instance_refs(instances, addresses, settings.flags & build_flag::allow_update);
+  if (const size_t active = refs.size(); active > 0) {
+    BuiltTree built = build_tree(std::move(refs), tree_input(header.kind, instances.size(), settings));
+    const WideTree wide = make_wide_tree(built.tree, sizeof(StructureHeader), leaf_bytes(header.kind));
+    describe_tree(built.tree, wide, active, header);
+    header.pad_scale = pad_scale(instances, built.refs).round_up();
+    open_ill_conditioned(instances, built.refs, built.tree);
+    write_tree(built.tree, wide, built.refs, result.data(),
+               [&](std::span<const PrimitiveRef> leaf, std::byte* address) {
+                 write_record(instances[leaf[0].primitive], leaf[0].primitive, address);
+               });
   }
   std::memcpy(result.data(), &header, sizeof(header));
   return header.bytes;

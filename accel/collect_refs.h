@@ -8,7 +8,7 @@ namespace rayloom::accel {
 /// Appends make_ref(primitive), a std::optional<PrimitiveRef>, of primitives 0..count-1 in order, in parallel, leaving
 /// out the empty ones. An exception of the lowest primitive that throws comes through.
 template <class MakeRef>
-void append_refs(std::vector<PrimitiveRef>& refs, uint64_t count, const MakeRef& make_ref) {
+void append_refs(PrimitiveRefs& refs, uint64_t count, const MakeRef& make_ref) {
   const size_t base = refs.size();
   refs.resize(base + count);
   std::vector<size_t> kept(chunk_count(count));

@@ -1,5 +1,6 @@
 #include <rayloom/accel/encode.h>
 #include <rayloom/accel/ray.h>
+#include <rayloom/accel/tree_builder.h>
 
 #include <cassert>
 #include <cstring>
@@ -19,11 +20,12 @@ void write_node(const BinaryTree& tree, const WideNode& node, std::byte* block) 
   std::memcpy(block + node_ref::offset(node.ref), &out, sizeof(out));
 }
 
-StructureHeader empty_header(StructureKind kind, uint32_t build_flags) {
+StructureHeader empty_header(StructureKind kind, const BuildSettings& settings) {
   StructureHeader header{};
   header.magic = structure_magic;
   header.kind = kind;
-  header.build_flags = build_flags;
+  header.build_flags = settings.flags;
+  header.builder = static_cast<uint32_t>(chosen_builder(kind, settings));
   header.bytes = sizeof(StructureHeader);
   header.root = no_index;
   header.pad_scale = 1;

@@ -2,6 +2,7 @@
 
 // From trees to the bytes of layout.h.
 
+#include <rayloom/accel/build_settings.h>
 #include <rayloom/accel/wide_tree.h>
 #include <rayloom/base/parallel.h>
 
@@ -29,7 +30,7 @@ void write_tree(const BinaryTree& tree, const WideTree& wide, std::span<const Pr
 }
 
 /// Header of a structure without active primitives; the caller fills in the counts.
-StructureHeader empty_header(StructureKind kind, uint32_t build_flags);
+StructureHeader empty_header(StructureKind kind, const BuildSettings& settings);
 
 /// Enters what the tree says of itself: root, size, depth, counts, bounds, cost.
 void describe_tree(const BinaryTree& tree, const WideTree& wide, size_t active, StructureHeader& header);

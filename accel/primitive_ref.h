@@ -1,6 +1,7 @@
 #pragma once
 
 #include <rayloom/accel/box.h>
+#include <rayloom/accel/scratch_vector.h>
 
 #include <cstdint>
 #include <tuple>
@@ -19,6 +20,7 @@ struct PrimitiveRef {
   float centre(int axis) const { return 0.5f * min[axis] + 0.5f * max[axis]; }
 };
 static_assert(sizeof(PrimitiveRef) == 32);
+using PrimitiveRefs = ScratchVector<PrimitiveRef>;
 
 inline PrimitiveRef make_primitive_ref(const Box& box, uint32_t geometry, uint32_t primitive) {
   PrimitiveRef ref;

@@ -36,8 +36,8 @@ std::optional<Box> read_box(const AabbGeometry& geometry, uint32_t index) {
   return box;
 }
 
-std::vector<PrimitiveRef> procedural_refs(std::span<const AabbGeometry> geometries) {
-  std::vector<PrimitiveRef> refs;
+PrimitiveRefs procedural_refs(std::span<const AabbGeometry> geometries) {
+  PrimitiveRefs refs;
   refs.reserve(checked_count(geometries));
   for (uint32_t g = 0; g < geometries.size(); ++g) {
     const AabbGeometry& geometry = geometries[g];

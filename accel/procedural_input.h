@@ -14,6 +14,6 @@ namespace rayloom::accel {
 std::optional<Box> read_box(const AabbGeometry& geometry, uint32_t index);
 
 /// References to the active boxes.
-std::vector<PrimitiveRef> procedural_refs(std::span<const AabbGeometry> geometries);
+PrimitiveRefs procedural_refs(std::span<const AabbGeometry> geometries);
 
 }  // namespace rayloom::accel

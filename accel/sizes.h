@@ -5,6 +5,7 @@
 // nodes.
 
 #include <rayloom/accel/build_input.h>
+#include <rayloom/accel/build_settings.h>
 #include <rayloom/accel/layout.h>
 
 namespace rayloom::accel {
@@ -17,9 +18,13 @@ inline constexpr uint64_t max_instances = uint64_t{1} << 24;
 /// Primitives a bottom-level leaf holds (TriangleLeaf8, ProceduralLeaf8).
 inline constexpr uint32_t leaf_width = 8;
 
-/// Leaves a tree over `primitives` may have when leaves hold up to `leaf_size`: half as many again as full leaves would
-/// take (an eighth with minimize_memory), and a few more so that small structures may split as they like.
-uint64_t leaf_budget(uint64_t primitives, uint32_t leaf_size, uint32_t build_flags);
+/// Primitives and bytes of a leaf in this kind of structure.
+uint32_t leaf_size(StructureKind kind);
+uint64_t leaf_bytes(StructureKind kind);
+
+/// Leaves a tree over `primitives` may have: half as many again as full leaves would take (an eighth with
+/// minimize_memory), and a few more so that small structures may split as they like.
+uint64_t leaf_budget(uint64_t primitives, StructureKind kind, const BuildSettings& settings);
 
 /// Most inner nodes a wide tree of `leaves` leaves can have. Collapse leaves no inner child with c children under a
 /// parent with k when k - 1 + c <= 8, so k + c >= 10 across every edge. Put each node with at most 4 children (its
@@ -29,6 +34,6 @@ uint64_t leaf_budget(uint64_t primitives, uint32_t leaf_size, uint32_t build_fla
 inline constexpr uint64_t node_bound(uint64_t leaves) { return leaves == 0 ? 0 : 1 + 3 * leaves / 5; }
 
 /// Bytes of the largest structure over `primitives`, a multiple of structure_alignment.
-uint64_t largest_structure(uint64_t primitives, uint32_t leaf_size, uint64_t leaf_bytes, uint32_t build_flags);
+uint64_t largest_structure(uint64_t primitives, StructureKind kind, const BuildSettings& settings);
 
 }  // namespace rayloom::accel

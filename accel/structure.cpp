@@ -34,6 +34,7 @@ StructureInfo structure_info(const std::byte* block) {
   info.top_level = header.kind == StructureKind::instances;
   info.procedural = header.kind == StructureKind::procedurals;
   info.build_flags = header.build_flags;
+  info.builder = static_cast<Builder>(header.builder);
   info.bytes = header.bytes;
   info.depth = header.depth;
   info.nodes = header.node_count;

@@ -76,8 +76,8 @@ InputTriangle read_triangle(const TriangleGeometry& geometry, uint32_t triangle)
   return read_corners(geometry, read_indices(geometry, triangle));
 }
 
-std::vector<PrimitiveRef> triangle_refs(std::span<const TriangleGeometry> geometries, bool keep_degenerate) {
-  std::vector<PrimitiveRef> refs;
+PrimitiveRefs triangle_refs(std::span<const TriangleGeometry> geometries, bool keep_degenerate) {
+  PrimitiveRefs refs;
   refs.reserve(checked_count(geometries));
   for (uint32_t g = 0; g < geometries.size(); ++g) {
     const TriangleGeometry& geometry = geometries[g];

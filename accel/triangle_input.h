@@ -21,6 +21,6 @@ InputTriangle read_triangle(const TriangleGeometry& geometry, uint32_t triangle)
 ///    infinity in any coordinate;
 ///  - triangles with two equal vertices, which nothing can hit (PR-10), unless `keep_degenerate`.
 /// Throws InputError for an index out of range.
-std::vector<PrimitiveRef> triangle_refs(std::span<const TriangleGeometry> geometries, bool keep_degenerate);
+PrimitiveRefs triangle_refs(std::span<const TriangleGeometry> geometries, bool keep_degenerate);
 
 }  // namespace rayloom::accel

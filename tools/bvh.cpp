@@ -20,14 +20,15 @@ namespace {
 constexpr const char* examples =
     "  rayloom bvh atrium                         a table on standard output\n"
     "  rayloom bvh house.glb --json=bvh.json      and every structure in a file\n"
-    "  rayloom bvh atrium --prefer fast_build     as PREFER_FAST_BUILD asks\n";
+    "  rayloom bvh atrium --prefer fast_build     as PREFER_FAST_BUILD asks\n"
+    "  rayloom bvh atrium --builder binned_sah    by this builder, whatever the flags\n";
 
 constexpr size_t table_rows = 20;
 
 struct BvhOptions {
   std::string scene;
   uint64_t threads = 0;
-  uint32_t build_flags = accel::build_flag::none;
+  accel::BuildSettings settings{accel::build_flag::none};
 };
 
 double bytes_per_primitive(const accel::StructureInfo& info) {
@@ -42,6 +43,7 @@ Json to_json(const BuiltStructure& built) {
   const accel::StructureInfo& info = built.info;
   return {{"name", built.name},
           {"kind", kind_of(info)},
+          {"builder", accel::builder_name(info.builder)},
           {"primitives", info.primitives},
           {"active_primitives", info.active_primitives},
           {"geometries", info.geometries},
@@ -61,6 +63,7 @@ std::vector<std::string> table_row(const BuiltStructure& built) {
   const accel::StructureInfo& info = built.info;
   return {built.name,
           kind_of(info),
+          accel::builder_name(info.builder),
           with_commas(info.primitives),
           with_commas(info.nodes),
           with_commas(info.leaves),
@@ -89,13 +92,13 @@ std::string to_text(std::vector<BuiltStructure> structures) {
   const BuiltStructure sum = total(structures);
   std::stable_sort(structures.begin(), structures.end() - 1,
                    [](const auto& a, const auto& b) { return a.info.bytes > b.info.bytes; });
-  std::vector<std::vector<std::string>> rows{
-      {"structure", "kind", "primitives", "nodes", "leaves", "depth", "SAH", "memory", "bytes/prim", "build"}};
+  std::vector<std::vector<std::string>> rows{{"structure", "kind", "builder", "primitives", "nodes", "leaves", "depth",
+                                              "SAH", "memory", "bytes/prim", "build"}};
   rows.push_back(table_row(structures.back()));
   structures.pop_back();
   for (size_t i = 0; i < std::min(structures.size(), table_rows); ++i) rows.push_back(table_row(structures[i]));
   std::vector<std::string> last = table_row(sum);
-  last[1] = last[5] = last[6] = "";
+  last[1] = last[2] = last[6] = last[7] = "";
   rows.push_back(last);
   std::string text = format_table(rows);
   if (structures.size() > table_rows) {
@@ -112,16 +115,24 @@ uint32_t parse_build_preference(const std::string& name) {
   throw UsageError(fmt::format("--prefer: '{}' is not one of fast_trace fast_build minimize_memory", name));
 }
 
+accel::Builder parse_builder_option(const std::string& name) {
+  if (const auto builder = accel::parse_builder(name)) return *builder;
+  std::string known = accel::builder_name(accel::Builder::automatic);
+  for (const accel::Builder builder : accel::all_builders()) known += std::string(" ") + accel::builder_name(builder);
+  throw UsageError(fmt::format("--builder: '{}' is not one of {}", name, known));
+}
+
 int run_bvh(const BvhOptions& options, const CommonOptions& common) {
   check_json_output(common);
   const ThreadLimit threads(static_cast<unsigned>(options.threads));
   const scenes::Scene scene = scenes::load_scene(options.scene);
-  const SceneStructures built(scene, options.build_flags);
+  const SceneStructures built(scene, options.settings);
 
   Json report = new_report("bvh");
   report["scene"] = options.scene;
   report["threads"] = thread_limit();
-  report["build_flags"] = options.build_flags;
+  report["build_flags"] = options.settings.flags;
+  report["builder"] = accel::builder_name(options.settings.builder);
   for (const BuiltStructure& structure : built.structures()) report["structures"].push_back(to_json(structure));
   const BuiltStructure sum = total(built.structures());
   report["total"] = {{"primitives", sum.info.primitives},
@@ -145,8 +156,12 @@ void add_bvh_command(CLI::App& app, CommonOptions& common, Action& action) {
                      examples, common);
   sub->add_option("SCENE", options->scene, "A glTF file or a procedural scene")->required();
   sub->add_option_function<std::string>(
-         "--prefer", [=](const std::string& name) { options->build_flags |= parse_build_preference(name); },
+         "--prefer", [=](const std::string& name) { options->settings.flags |= parse_build_preference(name); },
          "Build flag: fast_trace, fast_build or minimize_memory")
+      ->type_name("NAME");
+  sub->add_option_function<std::string>(
+         "--builder", [=](const std::string& name) { options->settings.builder = parse_builder_option(name); },
+         "Builder, whatever the flags prefer: automatic or binned_sah")
       ->type_name("NAME");
   add_count(*sub, "--threads", options->threads, 0, 1024, "Threads, 0 for one a core");
   sub->callback([=, &common, &action] { action = [=, &common] { return run_bvh(*options, common); }; });

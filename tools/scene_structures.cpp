@@ -49,9 +49,9 @@ accel::InstanceDesc describe(const scenes::Instance& instance, uint32_t index, c
 
 }  // namespace
 
-SceneStructures::SceneStructures(const scenes::Scene& scene, uint32_t build_flags) {
-  for (const scenes::Mesh& mesh : scene.meshes) build_mesh(scene, mesh, build_flags);
-  build_instances(scene, build_flags);
+SceneStructures::SceneStructures(const scenes::Scene& scene, const accel::BuildSettings& settings) {
+  for (const scenes::Mesh& mesh : scene.meshes) build_mesh(scene, mesh, settings);
+  build_instances(scene, settings);
 }
 
 template <class Build>
@@ -66,12 +66,13 @@ void SceneStructures::build(const std::string& name, uint64_t result_bytes, Buil
   blocks_.push_back(std::move(block));
 }
 
-void SceneStructures::build_mesh(const scenes::Scene& scene, const scenes::Mesh& mesh, uint32_t build_flags) {
+void SceneStructures::build_mesh(const scenes::Scene& scene, const scenes::Mesh& mesh,
+                                 const accel::BuildSettings& settings) {
   const std::string name = mesh.name.empty() ? fmt::format("mesh {}", structures_.size()) : mesh.name;
   const auto build_all = [&](const auto& geometries) {
     const std::span inputs(geometries);
-    build(name, accel::bottom_level_sizes(inputs, build_flags).result_bytes,
-          [&](std::span<std::byte> result) { accel::build_bottom_level(inputs, build_flags, result); });
+    build(name, accel::bottom_level_sizes(inputs, settings).result_bytes,
+          [&](std::span<std::byte> result) { accel::build_bottom_level(inputs, settings, result); });
   };
   if (!mesh.procedural()) {
     std::vector<accel::TriangleGeometry> geometries;
@@ -89,14 +90,13 @@ void SceneStructures::build_mesh(const scenes::Scene& scene, const scenes::Mesh&
   build_all(std::as_const(geometries));
 }
 
-void SceneStructures::build_instances(const scenes::Scene& scene, uint32_t build_flags) {
+void SceneStructures::build_instances(const scenes::Scene& scene, const accel::BuildSettings& settings) {
   std::vector<accel::InstanceDesc> descs;
   for (const scenes::Instance& instance : scene.instances) {
     descs.push_back(describe(instance, static_cast<uint32_t>(descs.size()), blocks_[instance.mesh].get()));
   }
-  build("instances", accel::top_level_sizes(descs.size(), build_flags).result_bytes, [&](std::span<std::byte> result) {
-    accel::build_top_level(descs, accel::AddressSpace{}, build_flags, result);
-  });
+  build("instances", accel::top_level_sizes(descs.size(), settings).result_bytes,
+        [&](std::span<std::byte> result) { accel::build_top_level(descs, accel::AddressSpace{}, settings, result); });
 }
 
 }  // namespace rayloom::tools

@@ -20,7 +20,7 @@ struct BuiltStructure {
 
 class SceneStructures {
  public:
-  SceneStructures(const scenes::Scene& scene, uint32_t build_flags);
+  SceneStructures(const scenes::Scene& scene, const accel::BuildSettings& settings);
 
   /// One for each mesh, in the scene's order, then the top level.
   const std::vector<BuiltStructure>& structures() const { return structures_; }
@@ -35,8 +35,8 @@ class SceneStructures {
 
   template <class Build>
   void build(const std::string& name, uint64_t result_bytes, Build&& run);
-  void build_mesh(const scenes::Scene& scene, const scenes::Mesh& mesh, uint32_t build_flags);
-  void build_instances(const scenes::Scene& scene, uint32_t build_flags);
+  void build_mesh(const scenes::Scene& scene, const scenes::Mesh& mesh, const accel::BuildSettings& settings);
+  void build_instances(const scenes::Scene& scene, const accel::BuildSettings& settings);
 
   std::vector<Block> blocks_;
   std::vector<BuiltStructure> structures_;

@@ -80,7 +80,7 @@ TEST_CASE("a structure holds every triangle once, inside its boxes") {
     const Block block = build_mesh(mesh);
     const StructureChecker checker(block);
     CHECK(checker.facts.primitives == count);
-    CHECK(checker.facts.leaves <= leaf_budget(count, leaf_width, 0));
+    CHECK(checker.facts.leaves <= leaf_budget(count, StructureKind::triangles, 0));
     CHECK(checker.facts.nodes <= node_bound(checker.facts.leaves));
   }
 }

@@ -1,0 +1,30 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string_view>
+
+namespace rayloom::accel {
+
+/// How a structure's tree is made. All give the same closest hits (G3b); they differ in build time, trace speed, bytes.
+enum class Builder : uint8_t {
+  automatic,   ///< by build flags, see chosen_builder() in tree_builder.h
+  binned_sah,  ///< the default: splits between bins by surface area
+};
+
+/// Every builder but `automatic`.
+std::span<const Builder> all_builders();
+const char* builder_name(Builder builder);
+std::optional<Builder> parse_builder(std::string_view name);
+
+/// DXR's build flags (namespace build_flag), and a choice that DXR leaves to the driver.
+struct BuildSettings {
+  constexpr BuildSettings(uint32_t build_flags, Builder chosen = Builder::automatic)
+      : flags(build_flags), builder(chosen) {}
+
+  uint32_t flags;
+  Builder builder;
+};
+
+}  // namespace rayloom::accel
