@@ -1,6 +1,7 @@
+#include "procedural_checks.h"
+
 #include <rayloom/base/error.h>
-#include <rayloom/base/hash.h>
-#include <rayloom/base/parallel.h>
+#include <rayloom/scenes/procedural/registry.h>
 #include <rayloom/scenes/summary.h>
 
 #include <catch2/catch.hpp>
@@ -9,93 +10,12 @@
 using namespace rayloom;
 using namespace rayloom::scenes;
 
-namespace {
-
-template <typename V>
-void add_vectors(Hash64& hash, const std::vector<V>& vectors) {
-  for (const V& v : vectors) {
-    for (int i = 0; i < v.length(); ++i) hash.add(v[i]);
-  }
-}
-
-uint64_t hash_of(const Scene& scene) {
-  Hash64 hash;
-  for (const Mesh& mesh : scene.meshes) {
-    for (const Geometry& g : mesh.geometries) {
-      hash.add(g.indices).add(g.material);
-      add_vectors(hash, g.positions), add_vectors(hash, g.normals), add_vectors(hash, g.uv0);
-    }
-    for (const SphereSet& set : mesh.sphere_sets) {
-      for (const Sphere& s : set.spheres) hash.add(s.center.x).add(s.center.y).add(s.center.z).add(s.radius);
-    }
-  }
-  for (const Instance& instance : scene.instances) hash.add(instance.transform).add(instance.mesh);
-  for (const Material& m : scene.materials) hash.add(m.base_color.x).add(m.roughness).add(m.emissive.x);
-  for (const auto& image : scene.images) hash.add(image->pixels().bytes);
-  return hash.value();
-}
-
-/// Finite positions, valid indices, unit normals on the side the winding faces.
-void check_geometry(const Geometry& g, bool cloth) {
-  REQUIRE(g.normals.size() == g.positions.size());
-  REQUIRE(g.uv0.size() == g.positions.size());
-  size_t against = 0, bad = 0;
-  for (size_t i = 0; i < g.indices.size(); i += 3) {
-    const uint32_t* v = &g.indices[i];
-    if (v[0] >= g.positions.size() || v[1] >= g.positions.size() || v[2] >= g.positions.size()) FAIL("index");
-    const glm::vec3 a = g.positions[v[0]];
-    const glm::vec3 face = glm::cross(g.positions[v[1]] - a, g.positions[v[2]] - a);
-    against += glm::dot(face, g.normals[v[0]] + g.normals[v[1]] + g.normals[v[2]]) < 0;
-  }
-  for (const glm::vec3& n : g.normals) bad += !(std::fabs(glm::dot(n, n) - 1) < 1e-5f);
-  for (const glm::vec3& p : g.positions) bad += !std::isfinite(p.x) || !std::isfinite(p.y) || !std::isfinite(p.z);
-  INFO(g.name);
-  CHECK(bad == 0);
-  CHECK(against <= (cloth ? g.triangle_count() / 100 : 0));
-}
-
-void check_scene(const Scene& scene) {
-  REQUIRE_FALSE(scene.cameras.empty());
-  REQUIRE_FALSE(scene.materials.empty());
-  for (const Instance& instance : scene.instances) REQUIRE(instance.mesh < scene.meshes.size());
-  for (const Mesh& mesh : scene.meshes) {
-    CHECK(mesh.geometries.empty() != mesh.sphere_sets.empty());
-    for (const Geometry& g : mesh.geometries) {
-      REQUIRE(g.material < scene.materials.size());
-      check_geometry(g, g.name == "drape");
-    }
-    for (const SphereSet& set : mesh.sphere_sets) REQUIRE(set.material < scene.materials.size());
-  }
-}
-
-/// The solid a box or room encloses, signed: positive when faces look outwards.
-double signed_volume(const Geometry& g) {
-  double volume = 0;
-  for (size_t i = 0; i < g.indices.size(); i += 3) {
-    const glm::dvec3 a(g.positions[g.indices[i]]), b(g.positions[g.indices[i + 1]]), c(g.positions[g.indices[i + 2]]);
-    volume += glm::dot(a, glm::cross(b, c)) / 6;
-  }
-  return volume;
-}
-
-}  // namespace
-
 TEST_CASE("every procedural scene is well formed") {
-  for (const char* name : {"triangle", "cornell", "spheres", "atrium"}) check_scene(load_scene(name));
+  for (const char* name : {"triangle", "cornell", "spheres", "atrium"}) check_scene(load_scene(name), "drape");
 }
 
 TEST_CASE("the same bits for any thread count") {
-  for (const char* name : {"cornell", "spheres", "atrium"}) {
-    uint64_t hashes[3];
-    const unsigned threads[3] = {1, 2, 5};
-    for (int i = 0; i < 3; ++i) {
-      const ThreadLimit limit(threads[i]);
-      hashes[i] = hash_of(load_scene(name));
-    }
-    INFO(name);
-    CHECK(hashes[0] == hashes[1]);
-    CHECK(hashes[0] == hashes[2]);
-  }
+  for (const char* name : {"cornell", "spheres", "atrium"}) check_thread_counts(name);
 }
 
 TEST_CASE("cornell: blocks are closed and face outwards, the room faces inwards") {
@@ -152,4 +72,14 @@ TEST_CASE("parameters are checked") {
   CHECK_THROWS_WITH(load_scene("cornell:x"), Catch::Contains("a parameter must be key=whole number"));
   CHECK_THROWS_AS(load_scene("cornell:x=1"), InputError);
   CHECK(load_scene("cornell").name == "cornell");
+}
+
+TEST_CASE("the help names every procedural scene, and every parameter there is") {
+  const std::string names = procedural_scene_names() + ", ", help = procedural_scene_help();
+  for (size_t begin = 0; begin < names.size();) {
+    const size_t end = names.find(", ", begin);
+    CHECK_THAT(help, Catch::Contains("  " + names.substr(begin, end - begin) + " "));
+    begin = end + 2;
+  }
+  CHECK_THAT(help, Catch::Contains("resolution=8..4096 (1500)"));
 }
