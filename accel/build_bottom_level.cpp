@@ -25,12 +25,18 @@ StructureHeader header_for(StructureKind kind, const BuildSettings& settings, st
 /// Layout's geometry word: index in the low 24 bits, flags above.
 template <class Geometry>
 uint32_t geometry_word(std::span<const Geometry> geometries, uint32_t geometry) {
-  return geometry | (geometries[geometry].flags & 0xFF) << 24;
+  return geometry | (geometries[geometry].flags & 0x7F) << 24;
 }
 
 template <class Leaf>
 void name_lanes(Leaf& leaf) {
   for (uint32_t lane = 0; lane < leaf_width; ++lane) leaf.primitive[lane] = leaf.geometry[lane] = no_index;
+}
+
+bool is_split(const PrimitiveRef& ref, const InputTriangle& corners) {
+  Box box;
+  for (const auto& vertex : corners.vertex) box.extend(vertex);
+  return !std::equal(box.min, box.min + 3, ref.min) || !std::equal(box.max, box.max + 3, ref.max);
 }
 
 void write_leaf(std::span<const TriangleGeometry> geometries, std::span<const PrimitiveRef> refs, std::byte* address) {
@@ -44,6 +50,7 @@ void write_leaf(std::span<const TriangleGeometry> geometries, std::span<const Pr
       for (int axis = 0; axis < 3; ++axis) leaf.vertex[vertex][axis][lane] = corners.vertex[vertex][axis];
     leaf.primitive[lane] = ref.primitive;
     leaf.geometry[lane] = geometry_word(geometries, ref.geometry);
+    if (is_split(ref, corners)) leaf.geometry[lane] |= geometry_flag::split << 24;
   }
   std::memcpy(address, &leaf, sizeof(leaf));
 }

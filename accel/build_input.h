@@ -15,6 +15,7 @@ namespace geometry_flag {
 inline constexpr uint32_t none = 0;
 inline constexpr uint32_t opaque = 0x1;
 inline constexpr uint32_t no_duplicate_anyhit = 0x2;
+inline constexpr uint32_t split = 0x80;  ///< in leaves only, set by the build: other leaves may name the triangle too
 }  // namespace geometry_flag
 
 namespace instance_flag {

@@ -6,7 +6,7 @@
 namespace rayloom::accel {
 namespace {
 
-constexpr Builder builders[] = {Builder::binned_sah};
+constexpr Builder builders[] = {Builder::binned_sah, Builder::spatial_splits};
 
 }  // namespace
 
@@ -18,6 +18,8 @@ const char* builder_name(Builder builder) {
       return "automatic";
     case Builder::binned_sah:
       return "binned_sah";
+    case Builder::spatial_splits:
+      return "spatial_splits";
   }
   return "unknown";
 }

@@ -9,8 +9,9 @@ namespace rayloom::accel {
 
 /// How a structure's tree is made. All give the same closest hits (G3b); they differ in build time, trace speed, bytes.
 enum class Builder : uint8_t {
-  automatic,   ///< by build flags, see chosen_builder() in tree_builder.h
-  binned_sah,  ///< the default: splits between bins by surface area
+  automatic,       ///< by build flags, see chosen_builder() in tree_builder.h
+  binned_sah,      ///< the default: splits between bins by surface area
+  spatial_splits,  ///< for PREFER_FAST_TRACE: the same, and triangles cut where parts would overlap
 };
 
 /// Every builder but `automatic`.

@@ -2,6 +2,7 @@
 #include <rayloom/accel/build.h>
 #include <rayloom/accel/checks.h>
 #include <rayloom/accel/sizes.h>
+#include <rayloom/accel/tree_builder.h>
 
 #include <algorithm>
 
@@ -15,9 +16,11 @@ uint64_t leaf_bytes(StructureKind kind) {
 }
 
 uint64_t leaf_budget(uint64_t primitives, StructureKind kind, const BuildSettings& settings) {
+  const bool splits = chosen_builder(kind, settings) == Builder::spatial_splits;
+  const uint64_t references = splits ? split_reference_bound(primitives) : primitives;
   const uint64_t full = blocks_for(primitives, leaf_size(kind));
   const uint64_t slack = (settings.flags & build_flag::minimize_memory) ? full / 8 : full / 2 + 6;
-  return std::min(primitives, full + slack);
+  return std::min(references, blocks_for(references, leaf_size(kind)) + slack);
 }
 
 uint64_t largest_structure(uint64_t primitives, StructureKind kind, const BuildSettings& settings) {

@@ -22,6 +22,9 @@ inline constexpr uint32_t leaf_width = 8;
 uint32_t leaf_size(StructureKind kind);
 uint64_t leaf_bytes(StructureKind kind);
 
+/// References that spatial splits may make of `primitives`.
+inline constexpr uint64_t split_reference_bound(uint64_t primitives) { return primitives + primitives / 2; }
+
 /// Leaves a tree over `primitives` may have: half as many again as full leaves would take (an eighth with
 /// minimize_memory), and a few more so that small structures may split as they like.
 uint64_t leaf_budget(uint64_t primitives, StructureKind kind, const BuildSettings& settings);

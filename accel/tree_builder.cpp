@@ -1,11 +1,26 @@
 #include <rayloom/accel/sizes.h>
+#include <rayloom/accel/split_tree.h>
 #include <rayloom/accel/tree_builder.h>
 
 namespace rayloom::accel {
 
-Builder chosen_builder(StructureKind, const BuildSettings& settings) {
-  if (settings.builder != Builder::automatic) return settings.builder;
-  return Builder::binned_sah;
+namespace {
+
+/// A clipped box means nothing for a primitive that may move.
+bool can_split(StructureKind kind, uint32_t flags) {
+  return kind == StructureKind::triangles && !(flags & build_flag::allow_update);
+}
+
+Builder by_flags(uint32_t flags) {
+  const bool spends_memory = !(flags & build_flag::minimize_memory);
+  return (flags & build_flag::prefer_fast_trace) && spends_memory ? Builder::spatial_splits : Builder::binned_sah;
+}
+
+}  // namespace
+
+Builder chosen_builder(StructureKind kind, const BuildSettings& settings) {
+  const Builder wanted = settings.builder == Builder::automatic ? by_flags(settings.flags) : settings.builder;
+  return wanted == Builder::spatial_splits && !can_split(kind, settings.flags) ? Builder::binned_sah : wanted;
 }
 
 TreeInput tree_input(StructureKind kind, uint64_t primitives, const BuildSettings& settings) {
@@ -15,6 +30,7 @@ TreeInput tree_input(StructureKind kind, uint64_t primitives, const BuildSetting
 }
 
 BuiltTree build_tree(PrimitiveRefs refs, const TreeInput& input) {
+  if (input.builder == Builder::spatial_splits) return build_split_tree(std::move(refs), input);
   BuiltTree built{std::move(refs), {}};
   built.tree = build_binary_tree(built.refs, {input.leaf_size, input.leaf_budget});
   return built;

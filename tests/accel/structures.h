@@ -38,21 +38,22 @@ class Block {
 };
 
 template <class Geometry>
-Block build_geometries(const std::vector<Geometry>& geometries, uint32_t flags = build_flag::none) {
+Block build_geometries(const std::vector<Geometry>& geometries, const BuildSettings& settings = build_flag::none) {
   const std::span<const Geometry> span(geometries);
-  Block block(bottom_level_sizes(span, flags).result_bytes);
-  block.used = build_bottom_level(span, flags, block.span());
+  Block block(bottom_level_sizes(span, settings).result_bytes);
+  block.used = build_bottom_level(span, settings, block.span());
   return block;
 }
 
 inline Block build_mesh(const Mesh& mesh, uint32_t geometry_flags = geometry_flag::opaque,
-                        uint32_t flags = build_flag::none) {
-  return build_geometries(std::vector{mesh.geometry(geometry_flags)}, flags);
+                        const BuildSettings& settings = build_flag::none) {
+  return build_geometries(std::vector{mesh.geometry(geometry_flags)}, settings);
 }
 
-inline Block build_instances(const std::vector<InstanceDesc>& instances, uint32_t flags = build_flag::none) {
-  Block block(top_level_sizes(instances.size(), flags).result_bytes);
-  block.used = build_top_level(instances, {}, flags, block.span());
+inline Block build_instances(const std::vector<InstanceDesc>& instances,
+                             const BuildSettings& settings = build_flag::none) {
+  Block block(top_level_sizes(instances.size(), settings).result_bytes);
+  block.used = build_top_level(instances, {}, settings, block.span());
   return block;
 }
 
