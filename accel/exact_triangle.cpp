@@ -2,7 +2,6 @@
 
 #include <boost/multiprecision/cpp_int.hpp>
 
-#include <array>
 #include <bit>
 #include <cmath>
 
@@ -67,32 +66,14 @@ InputRanges ranges_of(const PreparedRay& ray, const TriangleCorners& corners) {
 }
 
 template <class Integer>
-using Vector = std::array<Integer, 3>;
-
-template <class Integer>
-Vector<Integer> operator-(const Vector<Integer>& a, const Vector<Integer>& b) {
-  return {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
-}
-
-template <class Integer>
-Integer dot(const Vector<Integer>& a, const Vector<Integer>& b) {
-  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
-template <class Integer>
-Vector<Integer> cross(const Vector<Integer>& a, const Vector<Integer>& b) {
-  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
-}
-
-template <class Integer>
 int sign_of(const Integer& value) {
   return value < 0 ? -1 : value > 0 ? 1 : 0;
 }
 
 /// values / 2^exponent, integers by choice of the exponent.
 template <class Integer>
-Vector<Integer> scaled(const float* values, int exponent) {
-  Vector<Integer> out{};
+Vector3<Integer> scaled(const float* values, int exponent) {
+  Vector3<Integer> out{};
   for (int k = 0; k < 3; ++k) {
     if (values[k] == 0) continue;
     const Parts parts = parts_of(values[k]);
@@ -107,7 +88,7 @@ class IntegerTriangle {
  public:
   IntegerTriangle(const PreparedRay& ray, const TriangleCorners& corners, const InputRanges& ranges)
       : direction_(scaled<Integer>(ray.direction, ranges.direction.lowest)) {
-    const Vector<Integer> origin = scaled<Integer>(ray.origin, ranges.points.lowest);
+    const Vector3<Integer> origin = scaled<Integer>(ray.origin, ranges.points.lowest);
     for (int i = 0; i < 3; ++i) point_[i] = scaled<Integer>(corners.vertex[i], ranges.points.lowest) - origin;
   }
 
@@ -116,17 +97,17 @@ class IntegerTriangle {
 
   /// Sign of the sheared coordinate along `axis` of p_i - p_j, times the sign of the dominant component.
   int coordinate_sign(int i, int j, uint32_t axis, uint32_t z) const {
-    const Vector<Integer> p = point_[i] - point_[j];
+    const Vector3<Integer> p = point_[i] - point_[j];
     return sign_of<Integer>(p[axis] * direction_[z] - direction_[axis] * p[z]);
   }
 
-  Vector<Integer> normal() const { return cross(point_[1] - point_[0], point_[2] - point_[0]); }
-  const Vector<Integer>& point(int i) const { return point_[i]; }
-  const Vector<Integer>& direction() const { return direction_; }
+  Vector3<Integer> normal() const { return cross(point_[1] - point_[0], point_[2] - point_[0]); }
+  const Vector3<Integer>& point(int i) const { return point_[i]; }
+  const Vector3<Integer>& direction() const { return direction_; }
 
  private:
-  Vector<Integer> point_[3];
-  Vector<Integer> direction_;
+  Vector3<Integer> point_[3];
+  Vector3<Integer> direction_;
 };
 
 template <class Integer>
@@ -165,13 +146,15 @@ float nearest_float(WideInteger numerator, WideInteger denominator, int exponent
 }
 
 template <class Integer>
-TriangleHit hit_of(const IntegerTriangle<Integer>& triangle, const InputRanges& ranges) {
-  const Vector<Integer> normal = triangle.normal();
+void divide(const IntegerTriangle<Integer>& triangle, const InputRanges& ranges, const QuotientChoice& chosen,
+            TriangleHit& hit) {
+  const Vector3<Integer> normal = triangle.normal();
   const WideInteger determinant = dot(normal, triangle.direction());
   const int t_exponent = ranges.points.lowest - ranges.direction.lowest;
-  return {nearest_float(dot(normal, triangle.point(0)), determinant, t_exponent),
-          nearest_float(triangle.edge(2, 0), determinant, 0), nearest_float(triangle.edge(0, 1), determinant, 0),
-          determinant < 0};
+  if (chosen.t) hit.t = nearest_float(dot(normal, triangle.point(0)), determinant, t_exponent);
+  if (chosen.u) hit.u = nearest_float(triangle.edge(2, 0), determinant, 0);
+  if (chosen.v) hit.v = nearest_float(triangle.edge(0, 1), determinant, 0);
+  hit.front = determinant < 0;
 }
 
 /// Calls `action` with the triangle in the narrowest integers that hold its determinants.
@@ -188,9 +171,10 @@ ExactEdges exact_edges(const PreparedRay& ray, const TriangleCorners& corners) {
   return with_integers(ray, corners, [&](const auto& triangle, const InputRanges&) { return edges_of(ray, triangle); });
 }
 
-TriangleHit exact_hit(const PreparedRay& ray, const TriangleCorners& corners) {
-  return with_integers(ray, corners,
-                       [](const auto& triangle, const InputRanges& ranges) { return hit_of(triangle, ranges); });
+void exact_quotients(const PreparedRay& ray, const TriangleCorners& corners, const QuotientChoice& chosen,
+                     TriangleHit& hit) {
+  with_integers(ray, corners,
+                [&](const auto& triangle, const InputRanges& ranges) { divide(triangle, ranges, chosen, hit); });
 }
 
 }  // namespace rayloom::accel

@@ -3,8 +3,8 @@
 // The exact evaluation behind triangle.h, in integers: rare, simple, and free of allocation.
 
 #include <rayloom/accel/prepared_ray.h>
-#include <rayloom/accel/sheared_triangle.h>
 #include <rayloom/accel/triangle.h>
+#include <rayloom/accel/triangle_determinants.h>
 
 namespace rayloom::accel {
 
@@ -16,7 +16,14 @@ struct ExactEdges {
 };
 ExactEdges exact_edges(const PreparedRay& ray, const TriangleCorners& corners);
 
-/// t, u and v of a triangle that is hit, by exact quotients rounded to nearest even; NaN if it is edge-on.
-TriangleHit exact_hit(const PreparedRay& ray, const TriangleCorners& corners);
+struct QuotientChoice {
+  bool t = true, u = true, v = true;
+  int count() const { return int{t} + int{u} + int{v}; }
+};
+
+/// Sets the chosen ones of t, u and v of a triangle that is hit, exact quotients rounded to nearest even (NaN if it is
+/// edge-on), and `front`.
+void exact_quotients(const PreparedRay& ray, const TriangleCorners& corners, const QuotientChoice& chosen,
+                     TriangleHit& hit);
 
 }  // namespace rayloom::accel

@@ -1,11 +1,12 @@
-// The proven error bounds of the float and the double filter against exact edge functions.
+// The proven error bounds of the float, the double and the double-double evaluation against exact edge functions.
 
 #include "lane_cases.h"
 #include "rational_oracle.h"
 #include "triangle_cases.h"
 
-#include <rayloom/accel/sheared_triangle.h>
+#include <rayloom/accel/double_double.h>
 #include <rayloom/accel/simd/lanes_scalar.h>
+#include <rayloom/accel/triangle_determinants.h>
 
 #include <catch2/catch.hpp>
 #include <cstdio>
@@ -52,11 +53,39 @@ double check_bound(const Real (&computed)[3], Real bound, const ExactEdgeFunctio
   return worst;
 }
 
+mpq_class rational(double value) { return value; }
+mpq_class rational(const DoubleDouble& value) { return mpq_class(value.high) + mpq_class(value.low); }
+
+/// Checks each determinant, and depth - t area for the t of a hit, and returns the largest quotient of error and bound.
+template <class Number>
+double check_determinants(const Case& c, const PreparedRay& ray, double unit, const ExactEdgeFunctions& exact) {
+  const TriangleCorners corners{{c.triangle[0].data(), c.triangle[1].data(), c.triangle[2].data()}};
+  const TriangleExtent extent = extent_of(ray, vectors_of<double>(ray, corners));
+  const DeterminantErrors errors(extent, unit);
+  const Determinants<Number> found = vectors_of<Number>(ray, corners).determinants();
+  const mpq_class scale = ray.direction[ray.axis[2]];
+  const mpq_class v = exact.edge[0] * scale, w = exact.edge[1] * scale, u = exact.edge[2] * scale;
+  double worst = 0;
+  const auto check = [&](const mpq_class& error, double bound) {
+    REQUIRE(std::isfinite(bound));
+    REQUIRE(abs(error) <= mpq_class(bound));
+    if (bound > 0) worst = std::max(worst, mpq_class(abs(error) / mpq_class(bound)).get_d());
+  };
+  check(rational(found.area) - (u + v + w), errors.area());
+  check(rational(found.u) - u, errors.u());
+  check(rational(found.v) - v, errors.v());
+  check(rational(found.w()) - w, errors.w());
+  if (const auto hit = test::rational_hit(c.ray, c.triangle)) {
+    check(rational(found.depth) - hit->t * rational(found.area), errors.depth());
+  }
+  return worst;
+}
+
 TEST_CASE("the filters' bounds hold and are not absurdly wide", "[oracle]") {
-  double worst_float = 0, worst_double = 0;
+  double worst_float = 0, worst_double = 0, worst_pair = 0;
   for (const Family family : test::all_families) {
     Random random(61 + static_cast<uint64_t>(family));
-    double family_float = 0, family_double = 0;
+    double family_float = 0, family_double = 0, family_pair = 0;
     for (int i = 0; i < 15000; ++i) {
       const Case c = test::random_case(random, family);
       const PreparedRay ray = prepare(c.ray);
@@ -72,18 +101,18 @@ TEST_CASE("the filters' bounds hold and are not absurdly wide", "[oracle]") {
           family_float = std::max(family_float, check_bound(edge, bound, exact));
         }
       }
-      const ShearedTriangle sheared =
-          shear_triangle(ray, {{c.triangle[0].data(), c.triangle[1].data(), c.triangle[2].data()}});
-      REQUIRE(std::isfinite(sheared.bound));
-      family_double = std::max(family_double, check_bound(sheared.edge, sheared.bound, exact));
+      family_double = std::max(family_double, check_determinants<double>(c, ray, double_unit, exact));
+      family_pair = std::max(family_pair, check_determinants<DoubleDouble>(c, ray, double_double_unit, exact));
     }
-    std::printf("%-15s largest error/bound: float %.3f, double %.3f\n", test::family_name(family).data(), family_float,
-                family_double);
+    std::printf("%-15s largest error/bound: float %.3f, double %.3f, double-double %.3f\n",
+                test::family_name(family).data(), family_float, family_double, family_pair);
     worst_float = std::max(worst_float, family_float);
     worst_double = std::max(worst_double, family_double);
+    worst_pair = std::max(worst_pair, family_pair);
   }
   CHECK(worst_float > 0.05);
   CHECK(worst_double > 0.05);
+  CHECK(worst_pair > 0.005);
 }
 
 }  // namespace

@@ -21,6 +21,12 @@ TriangleCorners corners_of(const Case& c) {
   return {{c.triangle[0].data(), c.triangle[1].data(), c.triangle[2].data()}};
 }
 
+TriangleHit exact_hit(const PreparedRay& ray, const TriangleCorners& corners) {
+  TriangleHit hit{};
+  exact_quotients(ray, corners, {}, hit);
+  return hit;
+}
+
 void check_edges(const Case& c) {
   const ExactEdges edges = exact_edges(prepare(c.ray), corners_of(c));
   for (int i = 0; i < 3; ++i) {
