@@ -56,13 +56,6 @@ void check_indices(const TriangleGeometry& geometry, uint32_t geometry_index, ui
                            std::to_string(geometry.vertex_count) + " vertices (BI-14)");
 }
 
-bool is_active(const InputTriangle& corners) {
-  for (const auto& vertex : corners.vertex)
-    for (const float x : vertex)
-      if (!std::isfinite(x)) return false;
-  return true;
-}
-
 bool same_point(const float (&a)[3], const float (&b)[3]) { return a[0] == b[0] && a[1] == b[1] && a[2] == b[2]; }
 
 bool has_equal_vertices(const InputTriangle& corners) {
@@ -72,8 +65,21 @@ bool has_equal_vertices(const InputTriangle& corners) {
 
 }  // namespace
 
+bool is_active(const InputTriangle& corners) {
+  for (const auto& vertex : corners.vertex)
+    for (const float x : vertex)
+      if (!std::isfinite(x)) return false;
+  return true;
+}
+
 InputTriangle read_triangle(const TriangleGeometry& geometry, uint32_t triangle) {
   return read_corners(geometry, read_indices(geometry, triangle));
+}
+
+InputTriangle read_checked_triangle(const TriangleGeometry& geometry, uint32_t index, uint32_t triangle) {
+  const Indices indices = read_indices(geometry, triangle);
+  check_indices(geometry, index, triangle, indices);
+  return read_corners(geometry, indices);
 }
 
 PrimitiveRefs triangle_refs(std::span<const TriangleGeometry> geometries, bool keep_degenerate) {

@@ -16,6 +16,12 @@ struct InputTriangle {
 /// Triangle `triangle` of a geometry that check_geometries() accepts, its indices in range.
 InputTriangle read_triangle(const TriangleGeometry& geometry, uint32_t triangle);
 
+/// The same for any indices; throws InputError, naming geometry `index`, where one is out of range.
+InputTriangle read_checked_triangle(const TriangleGeometry& geometry, uint32_t index, uint32_t triangle);
+
+/// False for triangles with a coordinate that is not finite: PR-01, PR-03, and, by our policy, PR-07 and BI-26.
+bool is_active(const InputTriangle& corners);
+
 /// References to the triangles that go into leaves. Left out are
 ///  - inactive triangles: NaN in the x of any vertex (PR-01, PR-03), and, by our policy for PR-07 and BI-26, NaN or an
 ///    infinity in any coordinate;

@@ -1,0 +1,55 @@
+#include <rayloom/accel/instance_leaf.h>
+#include <rayloom/accel/instance_transform.h>
+#include <rayloom/accel/layout.h>
+#include <rayloom/accel/ray.h>
+#include <rayloom/accel/structure.h>
+#include <rayloom/base/error.h>
+
+#include <cmath>
+#include <cstring>
+#include <string>
+
+namespace rayloom::accel {
+namespace {
+
+const StructureHeader& bottom_level(const InstanceDesc& desc, AddressSpace addresses, uint32_t index) {
+  const std::string name = "instances[" + std::to_string(index) + "].bottom_level_address";
+  const StructureHeader& header = checked_header(addresses.host(desc.bottom_level_address), name.c_str());
+  if (header.kind == StructureKind::instances)
+    throw InputError("acceleration structure", name, "is a top-level structure");
+  return header;
+}
+
+}  // namespace
+
+std::optional<Box> instance_box(const InstanceDesc& desc, AddressSpace addresses, uint32_t index) {
+  if (desc.bottom_level_address == 0) return std::nullopt;
+  const StructureHeader& header = bottom_level(desc, addresses, index);
+  if (!invert(desc.transform)) return std::nullopt;
+  Box object_box;
+  object_box.extend(header.bounds_min, header.bounds_max);
+  return world_box(desc.transform, object_box);
+}
+
+bool is_hidden(const InstanceDesc& desc, AddressSpace addresses) {
+  return desc.instance_mask == 0 || header_of(addresses.host(desc.bottom_level_address)).root == no_index;
+}
+
+double conditioning(const InstanceDesc& desc) { return invert(desc.transform)->conditioning; }
+
+float pad_scale_for(double largest) { return std::nextafter(static_cast<float>(1 + largest), Box::infinity); }
+
+void write_instance(const InstanceDesc& desc, uint32_t index, std::byte* address) {
+  InstanceRecord record;
+  std::memset(&record, 0, sizeof(record));  // padding too: same input, same bytes
+  const InverseTransform inverse = *invert(desc.transform);
+  std::memcpy(record.world_to_object, inverse.matrix, sizeof(inverse.matrix));
+  std::memcpy(record.object_to_world, desc.transform, sizeof(desc.transform));
+  record.bottom_level_address = desc.bottom_level_address;
+  record.instance_index = index;
+  record.id_and_mask = desc.instance_id | uint32_t{desc.instance_mask} << 24;
+  record.contribution_and_flags = desc.instance_contribution_to_hit_group_index | uint32_t{desc.flags} << 24;
+  std::memcpy(address, &record, sizeof(record));
+}
+
+}  // namespace rayloom::accel
