@@ -1,7 +1,7 @@
 #include <rayloom/accel/binary_tree.h>
 #include <rayloom/accel/binned_sah.h>
 #include <rayloom/accel/partition.h>
-#include <rayloom/base/parallel.h>
+#include <rayloom/accel/subtree.h>
 
 #include <algorithm>
 #include <cassert>
@@ -9,15 +9,6 @@
 
 namespace rayloom::accel {
 namespace {
-
-/// Below this depth cost no longer chooses: halving 2^29 primitives down to one leaf takes at most 29 further levels.
-constexpr uint32_t max_sah_depth = 32;
-constexpr size_t parallel_threshold = 4096;
-
-/// A subtree to build: it owns the slots [slot, slot + 2 * budget - 1) and the primitives [first, first + count).
-struct Subtree {
-  uint32_t slot, first, count, budget, depth;
-};
 
 class BinaryBuilder {
  public:
@@ -41,38 +32,17 @@ class BinaryBuilder {
     node = {bounds.box, subtree.first, subtree.count, 0};
     if (subtree.count <= leaf_size_) return std::sort(refs.begin(), refs.end(), name_less);
     const auto left_count = static_cast<uint32_t>(partition(subtree, bounds.centres));
-    const auto [left, right] = children(subtree, left_count);
+    const auto [left, right] = halves_of(subtree, left_count, leaf_size_);
     node.right = right.slot;
-    build_both(left, right);
+    build_halves(left, right, [this](const Subtree& half) { build(half); });
   }
 
   size_t partition(const Subtree& subtree, const Box& centres) {
     const auto refs = refs_.subspan(subtree.first, subtree.count);
-    if (subtree.depth < max_sah_depth)
+    if (subtree.depth < max_choice_depth)
       if (const auto split = find_binned_split(refs, centres, leaf_size_, subtree.budget))
         return partition_by_split(refs, {scratch_.get() + subtree.first, subtree.count}, *split);
     return partition_by_median(refs, centres, leaf_size_);
-  }
-
-  /// Shares out the blocks that the budget has beyond need in proportion to need.
-  std::pair<Subtree, Subtree> children(const Subtree& parent, uint32_t left_count) const {
-    const uint32_t right_count = parent.count - left_count;
-    const uint64_t left_need = blocks_for(left_count, leaf_size_), right_need = blocks_for(right_count, leaf_size_);
-    const uint64_t slack = parent.budget - left_need - right_need;
-    const auto left_budget = static_cast<uint32_t>(left_need + slack * left_need / (left_need + right_need));
-    const uint32_t depth = parent.depth + 1;
-    return {
-        {parent.slot + 1, parent.first, left_count, left_budget, depth},
-        {parent.slot + 2 * left_budget, parent.first + left_count, right_count, parent.budget - left_budget, depth}};
-  }
-
-  void build_both(const Subtree& left, const Subtree& right) {
-    if (left.count + right.count < parallel_threshold) {
-      build(left);
-      build(right);
-      return;
-    }
-    parallel_invoke([this, left] { build(left); }, [this, right] { build(right); });
   }
 
   std::span<PrimitiveRef> refs_;

@@ -6,7 +6,7 @@
 namespace rayloom::accel {
 namespace {
 
-constexpr Builder builders[] = {Builder::binned_sah, Builder::spatial_splits};
+constexpr Builder builders[] = {Builder::binned_sah, Builder::spatial_splits, Builder::lbvh};
 
 }  // namespace
 
@@ -20,6 +20,8 @@ const char* builder_name(Builder builder) {
       return "binned_sah";
     case Builder::spatial_splits:
       return "spatial_splits";
+    case Builder::lbvh:
+      return "lbvh";
   }
   return "unknown";
 }

@@ -12,6 +12,7 @@ enum class Builder : uint8_t {
   automatic,       ///< by build flags, see chosen_builder() in tree_builder.h
   binned_sah,      ///< the default: splits between bins by surface area
   spatial_splits,  ///< for PREFER_FAST_TRACE: the same, and triangles cut where parts would overlap
+  lbvh,            ///< the fastest to build: sorted along a Morton curve
 };
 
 /// Every builder but `automatic`.

@@ -1,3 +1,4 @@
+#include <rayloom/accel/lbvh.h>
 #include <rayloom/accel/sizes.h>
 #include <rayloom/accel/split_tree.h>
 #include <rayloom/accel/tree_builder.h>
@@ -31,6 +32,7 @@ TreeInput tree_input(StructureKind kind, uint64_t primitives, const BuildSetting
 
 BuiltTree build_tree(PrimitiveRefs refs, const TreeInput& input) {
   if (input.builder == Builder::spatial_splits) return build_split_tree(std::move(refs), input);
+  if (input.builder == Builder::lbvh) return build_lbvh(refs, input);
   BuiltTree built{std::move(refs), {}};
   built.tree = build_binary_tree(built.refs, {input.leaf_size, input.leaf_budget});
   return built;

@@ -1,0 +1,30 @@
+#pragma once
+
+#include <rayloom/accel/float4.h>
+
+#include <algorithm>
+#include <bit>
+
+namespace rayloom::accel {
+
+/// Half areas of boxes inside one box, in float: all are scaled by the same power of two, which brings the largest
+/// extent near 1, so that nothing overflows however large or small the box is. To be compared with each other only.
+class BoxArea {
+ public:
+  explicit BoxArea(const Box& whole) {
+    const double extent = std::max({whole.extent(0), whole.extent(1), whole.extent(2)});
+    const auto exponent = static_cast<int>(std::bit_cast<uint64_t>(extent) >> 52) - 1023;
+    const int scale = std::clamp(-exponent, -129, 127);
+    scale_ = splat(static_cast<float>(std::bit_cast<double>(static_cast<uint64_t>(1023 + scale) << 52)));
+  }
+
+  float operator()(const Box4& box) const {
+    const Float4 d = box.max * scale_ - box.min * scale_;
+    return d[0] * d[1] + d[2] * (d[0] + d[1]);
+  }
+
+ private:
+  Float4 scale_;
+};
+
+}  // namespace rayloom::accel
