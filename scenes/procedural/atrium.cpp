@@ -1,3 +1,5 @@
+#include "atrium.h"
+
 #include "atrium_parts.h"
 #include "builder.h"
 #include "pictures.h"
@@ -14,11 +16,8 @@ namespace {
 
 using namespace atrium;
 
-constexpr int bays = 7;                 // along x; one more column than bays
 constexpr float length = bays * bay;    // of the court
 constexpr float court = 7;              // its width
-constexpr float walk = 3;               // width of the covered walk on either side
-constexpr float storey = 5;             // height of a floor
 constexpr float row_z = court / 2;      // the columns' line
 constexpr float wall_z = row_z + walk;  // the outer walls
 constexpr uint32_t drape_count = 6, plant_kinds = 4;
@@ -168,17 +167,9 @@ void add_light(Scene& scene) {
   scene.lights.push_back(sun);
 }
 
-void add_camera(Scene& scene, const std::string& name, glm::vec3 eye, glm::vec3 at, float yfov) {
-  SceneCamera camera = look_at(eye, at, {0, 1, 0}, yfov);
-  camera.name = name;
-  scene.cameras.push_back(camera);
-}
-
 }  // namespace
 
-Scene make_atrium(Parameters& parameters) {
-  const auto detail = static_cast<uint32_t>(parameters.get("detail", 1, 1, 4));
-  SceneBuilder builder;
+void add_atrium(SceneBuilder& builder, uint32_t detail) {
   const Palette palette = make_palette(builder);
   add_shell(builder, palette);
   add_arcades(builder, palette, detail);
@@ -187,9 +178,16 @@ Scene make_atrium(Parameters& parameters) {
   add_plants(builder, palette, detail);
   add_centre(builder, palette, detail);
   add_light(builder.scene());
-  add_camera(builder.scene(), "court", {-9.2f, 1.7f, 1.1f}, {4, 3.0f, -0.6f}, 1.05f);
-  add_camera(builder.scene(), "gallery", {8.5f, storey + 1.7f, 5.2f}, {-4, 3.2f, -2.5f}, 1.0f);
-  add_camera(builder.scene(), "walk", {-9.5f, 1.6f, 5.0f}, {6, 2.2f, 4.2f}, 0.95f);
+}
+
+Scene make_atrium(Parameters& parameters) {
+  const auto detail = static_cast<uint32_t>(parameters.get("detail", 1, 1, 4));
+  parameters.check_all_used();
+  SceneBuilder builder;
+  add_atrium(builder, detail);
+  builder.camera("court", look_at({-9.2f, 1.7f, 1.1f}, {4, 3.0f, -0.6f}, {0, 1, 0}, 1.05f));
+  builder.camera("gallery", look_at({8.5f, storey + 1.7f, 5.2f}, {-4, 3.2f, -2.5f}, {0, 1, 0}, 1.0f));
+  builder.camera("walk", look_at({-9.5f, 1.6f, 5.0f}, {6, 2.2f, 4.2f}, {0, 1, 0}, 0.95f));
   return builder.finish();
 }
 

@@ -74,7 +74,7 @@ Geometry column(uint32_t detail, uint32_t material) {
   add_box(geometry, {-0.36f, 0, -0.36f}, {0.36f, 0.14f, 0.36f});
   add_torus(geometry, 0.27f, 0.06f, 0.20f, detail);
   add_torus(geometry, 0.26f, 0.035f, 0.30f, detail);
-  Surface shaft{160 * detail, 56 * detail, true, {2, 6}, {}};
+  Surface shaft{160 * detail, 56 * detail, true, false, {2, 6}, {}};
   shaft.position = [](float u, float v) { return fluted_shaft(u, v, shaft_bottom, shaft_top); };
   add_surface(geometry, shaft);
   add_torus(geometry, 0.225f, 0.03f, shaft_top + 0.02f, detail);
@@ -91,7 +91,7 @@ Geometry column(uint32_t detail, uint32_t material) {
 
 Geometry arch(uint32_t detail, uint32_t material) {
   Geometry geometry = part("arch", material);
-  Surface band{96 * detail, 24 * detail, false, {6, 1}, {}};
+  Surface band{96 * detail, 24 * detail, false, false, {6, 1}, {}};
   band.position = [](float u, float v) {
     const auto [s, c] = det::sincos(pi * u);
     const float z = 0.31f * (1 - 2 * v);
@@ -101,7 +101,7 @@ Geometry arch(uint32_t detail, uint32_t material) {
   };
   add_surface(geometry, band);
   for (const float side : {1.0f, -1.0f}) {
-    Surface face{96 * detail, 6 * detail, false, {6, 1}, {}};
+    Surface face{96 * detail, 6 * detail, false, false, {6, 1}, {}};
     face.position = [side](float u, float v) {
       const auto [s, c] = det::sincos(pi * (side > 0 ? u : 1 - u));
       const float radius = half_span + 0.11f + (arch_rise - half_span - 0.11f) * (1 - v);
@@ -115,7 +115,7 @@ Geometry arch(uint32_t detail, uint32_t material) {
 Geometry spandrel(uint32_t detail, float height, uint32_t material) {
   Geometry geometry = part("spandrel", material);
   for (const float side : {1.0f, -1.0f}) {
-    Surface wall{64 * detail, 8, false, {bay, height}, {}};
+    Surface wall{64 * detail, 8, false, false, {bay, height}, {}};
     wall.position = [side, height](float u, float v) {
       const auto [s, c] = det::sincos(pi * (side > 0 ? 1 - u : u));
       const glm::vec2 inner(half_span * c, half_span * s);
@@ -133,7 +133,7 @@ Geometry spandrel(uint32_t detail, float height, uint32_t material) {
 Geometry vault(uint32_t detail, float length, float width, uint32_t material) {
   Geometry geometry = part("vault", material);
   const auto coffers = static_cast<float>(static_cast<int>(length / 1.0f));
-  Surface barrel{static_cast<uint32_t>(coffers) * 12 * detail, 60 * detail, false, {length, width}, {}};
+  Surface barrel{static_cast<uint32_t>(coffers) * 12 * detail, 60 * detail, false, false, {length, width}, {}};
   barrel.position = [=](float u, float v) {
     const glm::vec2 cell(u * coffers, v * 5);
     const glm::vec2 inside = glm::abs(cell - glm::floor(cell) - 0.5f);
@@ -148,7 +148,7 @@ Geometry vault(uint32_t detail, float length, float width, uint32_t material) {
 
 Geometry drape(uint32_t detail, float width, float drop, uint32_t seed, uint32_t material) {
   Geometry geometry = part("drape", material);
-  Surface cloth{164 * detail, 164 * detail, false, {2, 2 * drop / width}, {}};
+  Surface cloth{164 * detail, 164 * detail, false, false, {2, 2 * drop / width}, {}};
   cloth.position = [=](float u, float v) {
     const float hang = 1 - v;
     const float sag = 0.28f * (1 - hang) * 4 * u * (1 - u) + 0.5f * hang * u * (1 - u);
@@ -205,7 +205,7 @@ Geometry fountain(uint32_t detail, uint32_t material) {
 
 Geometry ball(uint32_t detail, float radius, uint32_t material) {
   Geometry geometry = part("ball", material);
-  Surface sphere{96 * detail, 48 * detail, true, {1, 1}, {}};
+  Surface sphere{96 * detail, 48 * detail, true, false, {1, 1}, {}};
   sphere.position = [radius](float u, float v) {
     const auto [s, c] = det::sincos(2 * pi * u);
     const auto [sv, cv] = det::sincos(pi * v);

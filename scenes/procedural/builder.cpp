@@ -33,6 +33,11 @@ void SceneBuilder::instance(uint32_t mesh, const Transform3x4& transform, const 
   scene_.instances.push_back({mesh, transform, name, name});
 }
 
+void SceneBuilder::camera(const std::string& name, SceneCamera camera) {
+  camera.name = name;
+  scene_.cameras.push_back(std::move(camera));
+}
+
 Material matte(const std::string& name, glm::vec3 color) {
   Material material;
   material.name = name;

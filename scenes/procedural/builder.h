@@ -17,6 +17,7 @@ class SceneBuilder {
   uint32_t mesh(const std::string& name, std::vector<Geometry> geometries);
   uint32_t sphere_mesh(const std::string& name, std::vector<SphereSet> sets);
   void instance(uint32_t mesh, const Transform3x4& transform, const std::string& name);
+  void camera(const std::string& name, SceneCamera camera);
   Scene& scene() { return scene_; }
   Scene finish() { return std::move(scene_); }
 

@@ -20,7 +20,10 @@ struct Entry {
 };
 
 constexpr std::array entries = {
-    Entry{"atrium", make_atrium, "a courtyard; detail=1..4 (1)"}, Entry{"cornell", make_cornell, "a Cornell box"},
+    Entry{"atrium", make_atrium, "a courtyard; detail=1..4 (1)"},
+    Entry{"cornell", make_cornell, "a Cornell box"},
+    Entry{"gallery", make_gallery,
+          "the atrium with statues; statues=1..36 (36), triangles=5000..2000000 (120000) of each at least"},
     Entry{"spheres", make_spheres, "488 spheres for an intersection shader"},
     Entry{"terrain", make_terrain, "4.5 million triangles of mountains; resolution=8..4096 (1500), seed=N (1)"},
     Entry{"triangle", make_triangle, "one triangle"}};

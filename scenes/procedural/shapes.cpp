@@ -27,8 +27,8 @@ void compute_vertices(Geometry& geometry, const Grid& grid, const Surface& surfa
       const float v = static_cast<float>(row) / static_cast<float>(grid.rows);
       for (uint32_t column = 0; column <= grid.columns; ++column) {
         const float u = static_cast<float>(column) / static_cast<float>(grid.columns);
-        const bool seam = surface.closed_u && column == grid.columns;
-        geometry.positions[grid.at(column, row)] = surface.position(seam ? 0 : u, v);
+        const bool u_seam = surface.closed_u && column == grid.columns, v_seam = surface.closed_v && row == grid.rows;
+        geometry.positions[grid.at(column, row)] = surface.position(u_seam ? 0 : u, v_seam ? 0 : v);
         geometry.uv0[grid.at(column, row)] = glm::vec2(u, v) * surface.uv_scale;
       }
     }
@@ -52,23 +52,43 @@ void add_triangles(Geometry& geometry, const Grid& grid) {
   }
 }
 
-/// Area-weighted means of the faces from index `first_index` on.
-void smooth_normals(Geometry& geometry, const Grid& grid, size_t first_index, bool closed_u) {
+/// The faces around each vertex, by area.
+void sum_faces(Geometry& geometry, size_t first_index) {
   for (size_t i = first_index; i < geometry.indices.size(); i += 3) {
     const uint32_t* v = &geometry.indices[i];
     const glm::vec3 a = geometry.positions[v[0]];
     const glm::vec3 face = glm::cross(geometry.positions[v[1]] - a, geometry.positions[v[2]] - a);
     for (int k = 0; k < 3; ++k) geometry.normals[v[k]] += face;
   }
-  for (uint32_t row = 0; closed_u && row <= grid.rows; ++row) {
-    glm::vec3& left = geometry.normals[grid.at(0, row)];
-    glm::vec3& right = geometry.normals[grid.at(grid.columns, row)];
-    left = right = left + right;
+}
+
+void make_unit(Geometry& geometry, size_t first_vertex) {
+  for (size_t i = first_vertex; i < geometry.normals.size(); ++i) geometry.normals[i] = unit_or_up(geometry.normals[i]);
+}
+
+/// The vertices on either side of a seam are one.
+void share_normals(Geometry& geometry, uint32_t a, uint32_t b) {
+  geometry.normals[a] = geometry.normals[b] = geometry.normals[a] + geometry.normals[b];
+}
+
+void smooth_normals(Geometry& geometry, const Grid& grid, size_t first_index, const Surface& surface) {
+  sum_faces(geometry, first_index);
+  for (uint32_t row = 0; surface.closed_u && row <= grid.rows; ++row) {
+    share_normals(geometry, grid.at(0, row), grid.at(grid.columns, row));
   }
-  for (size_t i = grid.first; i < geometry.normals.size(); ++i) geometry.normals[i] = unit_or_up(geometry.normals[i]);
+  for (uint32_t column = 0; surface.closed_v && column <= grid.columns; ++column) {
+    share_normals(geometry, grid.at(column, 0), grid.at(column, grid.rows));
+  }
+  make_unit(geometry, grid.first);
 }
 
 }  // namespace
+
+void add_smooth_normals(Geometry& geometry, size_t first_vertex, size_t first_index) {
+  geometry.normals.resize(geometry.positions.size(), glm::vec3(0));
+  sum_faces(geometry, first_index);
+  make_unit(geometry, first_vertex);
+}
 
 void add_surface(Geometry& geometry, const Surface& surface) {
   const Grid grid{static_cast<uint32_t>(geometry.positions.size()), surface.columns, surface.rows};
@@ -80,7 +100,7 @@ void add_surface(Geometry& geometry, const Surface& surface) {
   geometry.indices.reserve(first_index + size_t{6} * surface.columns * surface.rows);
   compute_vertices(geometry, grid, surface);
   add_triangles(geometry, grid);
-  smooth_normals(geometry, grid, first_index, surface.closed_u);
+  smooth_normals(geometry, grid, first_index, surface);
 }
 
 void add_quad(Geometry& geometry, const glm::vec3 (&corners)[4], glm::vec2 uv_scale) {
@@ -108,7 +128,7 @@ void add_box(Geometry& geometry, glm::vec3 a, glm::vec3 b) {
 
 void add_lathe(Geometry& geometry, std::span<const glm::vec2> profile, uint32_t segments) {
   const auto rows = static_cast<uint32_t>(profile.size() - 1);
-  Surface surface{segments, rows, true, glm::vec2(1), {}};
+  Surface surface{segments, rows, true, false, glm::vec2(1), {}};
   surface.position = [&](float u, float v) {
     const auto point = profile[static_cast<size_t>(v * static_cast<float>(rows) + 0.5f)];
     const auto [s, c] = det::sincos(two_pi * u);

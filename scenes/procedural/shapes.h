@@ -14,9 +14,13 @@ struct Surface {
   uint32_t columns = 1;
   uint32_t rows = 1;
   bool closed_u = false;     ///< u = 0 and u = 1 are the same points: normals are shared across the seam
+  bool closed_v = false;     ///< the same for v
   glm::vec2 uv_scale{1, 1};  ///< texture coordinates are (u, v) times this
   std::function<glm::vec3(float u, float v)> position;
 };
+
+/// Area-weighted means of the faces from index `first_index` on, for the vertices from `first_vertex` on.
+void add_smooth_normals(Geometry& geometry, size_t first_vertex, size_t first_index);
 
 /// Appends the surface with smooth normals. Rows are computed in parallel.
 void add_surface(Geometry& geometry, const Surface& surface);

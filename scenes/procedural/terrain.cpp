@@ -85,19 +85,13 @@ glm::vec3 place_on_circle(const Relief& relief, float radius, bool highest) {
   return best;
 }
 
-void add_camera(Scene& scene, const std::string& name, glm::vec3 eye, glm::vec3 at, float yfov) {
-  SceneCamera camera = look_at(eye, at, {0, 1, 0}, yfov);
-  camera.name = name;
-  scene.cameras.push_back(camera);
-}
-
-void add_cameras(Scene& scene, uint32_t seed) {
+void add_cameras(SceneBuilder& builder, uint32_t seed) {
   const Relief relief(seed);
   const glm::vec3 ridge = place_on_circle(relief, 0.42f * side, true) + glm::vec3(0, 60, 0);
-  add_camera(scene, "ridge", ridge, {0, 0.35f * ridge.y, 0}, 0.75f);
+  builder.camera("ridge", look_at(ridge, {0, 0.35f * ridge.y, 0}, {0, 1, 0}, 0.75f));
   const glm::vec3 low = place_on_circle(relief, 0.36f * side, false);
-  add_camera(scene, "lake", {low.x, std::fmax(low.y, 0.0f) + 12, low.z}, {0, 130, 0}, 0.8f);
-  add_camera(scene, "above", {0, 2400, 3400}, {0, 0, 0}, 0.75f);
+  builder.camera("lake", look_at({low.x, std::fmax(low.y, 0.0f) + 12, low.z}, {0, 130, 0}, {0, 1, 0}, 0.8f));
+  builder.camera("above", look_at({0, 2400, 3400}, {0, 0, 0}, {0, 1, 0}, 0.75f));
 }
 
 }  // namespace
@@ -110,7 +104,7 @@ Scene make_terrain(Parameters& parameters) {
   add_ground(builder, cells, seed);
   add_lakes(builder);
   add_light(builder.scene());
-  add_cameras(builder.scene(), seed);
+  add_cameras(builder, seed);
   return builder.finish();
 }
 

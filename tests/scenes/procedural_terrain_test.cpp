@@ -40,7 +40,8 @@ TEST_CASE("terrain: materials share their borders without a gap") {
     all.positions.insert(all.positions.end(), g.positions.begin(), g.positions.end());
     for (const uint32_t index : g.indices) all.indices.push_back(first + index);
   }
-  CHECK(open_edges(all) == 4 * 64);  // only the rim
+  CHECK(open_edges(all) == 4 * 64);
+  CHECK(repeated_edges(all) == 0);  // only the rim
 }
 
 TEST_CASE("gradient noise: the slope is the derivative of the value") {
