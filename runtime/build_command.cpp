@@ -144,24 +144,40 @@ void report_odd_counts(std::span<const RAYTRACING_GEOMETRY_DESC> geometries, Val
   }
 }
 
+constexpr uint32_t perform_update = RAYTRACING_ACCELERATION_STRUCTURE_BUILD_FLAG_PERFORM_UPDATE;
+
+/// The flags a structure keeps, and where an update finds what it updates: null for a build.
+struct Target {
+  uint32_t flags;
+  const std::byte* source;
+  std::span<std::byte> result;
+};
+
+template <class Geometry>
+void build_or_update(const std::vector<Geometry>& geometries, const Target& target) {
+  const std::span<const Geometry> span(geometries);
+  if (target.source)
+    accel::refit_bottom_level(span, target.flags, target.source, target.result);
+  else
+    accel::build_bottom_level(span, target.flags, target.result);
+}
+
 void build_bottom_level(const BuildCommand& command, const DeviceMemory& memory, ValidationLog& log,
-                        std::span<std::byte> result) {
+                        const Target& target) {
   const std::span<const RAYTRACING_GEOMETRY_DESC> geometries = command.geometries;
-  const uint32_t flags = command.desc.Inputs.Flags;
   if (holds_triangles(geometries)) {
     report_odd_counts(geometries, log);
-    accel::build_bottom_level(
-        convert_all<accel::TriangleGeometry>(geometries, "Triangles",
-                                             [&](const auto& geometry, const std::string& object) {
-                                               return resolve_triangles(memory, geometry, object);
-                                             }),
-        flags, result);
+    build_or_update(convert_all<accel::TriangleGeometry>(geometries, "Triangles",
+                                                         [&](const auto& geometry, const std::string& object) {
+                                                           return resolve_triangles(memory, geometry, object);
+                                                         }),
+                    target);
   } else {
-    accel::build_bottom_level(convert_all<accel::AabbGeometry>(geometries, "AABBs",
-                                                               [&](const auto& geometry, const std::string& object) {
-                                                                 return resolve_aabbs(memory, geometry, object);
-                                                               }),
-                              flags, result);
+    build_or_update(convert_all<accel::AabbGeometry>(geometries, "AABBs",
+                                                     [&](const auto& geometry, const std::string& object) {
+                                                       return resolve_aabbs(memory, geometry, object);
+                                                     }),
+                    target);
   }
 }
 
@@ -186,7 +202,7 @@ std::vector<accel::InstanceDesc> read_instances(const Inputs& inputs, const Devi
   return instances;
 }
 
-void build_top_level(const BuildCommand& command, const DeviceMemory& memory, std::span<std::byte> result) {
+void build_top_level(const BuildCommand& command, const DeviceMemory& memory, const Target& target) {
   const std::vector<accel::InstanceDesc> instances = read_instances(command.desc.Inputs, memory);
   for (size_t i = 0; i < instances.size(); ++i) {
     const uint64_t bottom = instances[i].bottom_level_address;
@@ -194,7 +210,28 @@ void build_top_level(const BuildCommand& command, const DeviceMemory& memory, st
     check_alignment(object, bottom, accel::structure_alignment, "BI-22");
     if (bottom) resolve(memory, object, bottom, 0, 1, sizeof(accel::StructureHeader));
   }
-  accel::build_top_level(instances, memory.addresses(), command.desc.Inputs.Flags, result);
+  if (target.source)
+    accel::refit_top_level(instances, memory.addresses(), target.flags, target.source, target.result);
+  else
+    accel::build_top_level(instances, memory.addresses(), target.flags, target.result);
+}
+
+/// The structure at `address`, all of whose bytes are the device's.
+const std::byte* resolve_source(const DeviceMemory& memory, uint64_t address) {
+  constexpr const char* object = "SourceAccelerationStructureData";
+  const std::byte* const block = resolve(memory, object, address, 0, 1, sizeof(accel::StructureHeader));
+  return resolve(memory, object, address, 0, 1, accel::structure_info(block).bytes);
+}
+
+Target resolve_target(const BuildCommand& command, const DeviceMemory& memory) {
+  const BUILD_RAYTRACING_ACCELERATION_STRUCTURE_DESC& desc = command.desc;
+  const uint32_t flags = desc.Inputs.Flags & ~perform_update;
+  const std::byte* const source =
+      (desc.Inputs.Flags & perform_update) ? resolve_source(memory, desc.SourceAccelerationStructureData) : nullptr;
+  const uint64_t bytes = source ? accel::structure_info(source).bytes
+                                : prebuild_info(desc.Inputs, command.geometries).ResultDataMaxSizeInBytes;
+  resolve(memory, "DestAccelerationStructureData", desc.DestAccelerationStructureData, 0, 1, bytes);
+  return {flags, source, {memory.host(desc.DestAccelerationStructureData), bytes}};
 }
 
 }  // namespace
@@ -213,21 +250,19 @@ std::vector<RAYTRACING_GEOMETRY_DESC> copy_geometries(const Inputs& inputs) {
 RAYTRACING_ACCELERATION_STRUCTURE_PREBUILD_INFO prebuild_info(const Inputs& inputs,
                                                               std::span<const RAYTRACING_GEOMETRY_DESC> geometries) {
   const bool top = inputs.Type == RAYTRACING_ACCELERATION_STRUCTURE_TYPE_TOP_LEVEL;
+  const uint32_t flags = inputs.Flags & ~perform_update;  // RW-17: the same sizes
   const accel::BuildSizes sizes =
-      top ? accel::top_level_sizes(inputs.NumDescs, inputs.Flags) : bottom_level_sizes(geometries, inputs.Flags);
+      top ? accel::top_level_sizes(inputs.NumDescs, flags) : bottom_level_sizes(geometries, flags);
   constexpr uint64_t alignment = accel::structure_alignment;
   return {(sizes.result_bytes + alignment - 1) / alignment * alignment, sizes.scratch_bytes, 0};
 }
 
 void build_acceleration_structure(const BuildCommand& command, const DeviceMemory& memory, ValidationLog& log) {
-  const BUILD_RAYTRACING_ACCELERATION_STRUCTURE_DESC& desc = command.desc;
-  const uint64_t bytes = prebuild_info(desc.Inputs, command.geometries).ResultDataMaxSizeInBytes;
-  resolve(memory, "DestAccelerationStructureData", desc.DestAccelerationStructureData, 0, 1, bytes);
-  const std::span<std::byte> result(memory.host(desc.DestAccelerationStructureData), bytes);
-  if (desc.Inputs.Type == RAYTRACING_ACCELERATION_STRUCTURE_TYPE_TOP_LEVEL)
-    build_top_level(command, memory, result);
+  const Target target = resolve_target(command, memory);
+  if (command.desc.Inputs.Type == RAYTRACING_ACCELERATION_STRUCTURE_TYPE_TOP_LEVEL)
+    build_top_level(command, memory, target);
   else
-    build_bottom_level(command, memory, log, result);
+    build_bottom_level(command, memory, log, target);
 }
 
 }  // namespace rayloom::detail

@@ -24,12 +24,15 @@ uint64_t range(const Buffer& buffer, uint64_t offset, uint64_t bytes, const char
 void CommandList::BuildRaytracingAccelerationStructure(const BUILD_RAYTRACING_ACCELERATION_STRUCTURE_DESC& desc) {
   constexpr uint32_t both = RAYTRACING_ACCELERATION_STRUCTURE_BUILD_FLAG_PREFER_FAST_TRACE |
                             RAYTRACING_ACCELERATION_STRUCTURE_BUILD_FLAG_PREFER_FAST_BUILD;
-  if (desc.Inputs.Flags & RAYTRACING_ACCELERATION_STRUCTURE_BUILD_FLAG_PERFORM_UPDATE)
-    fail_build("Inputs.Flags", "PERFORM_UPDATE is not part of this version [BF-06]");
   if ((desc.Inputs.Flags & both) == both)
     fail_build("Inputs.Flags", "PREFER_FAST_TRACE and PREFER_FAST_BUILD exclude each other [BF-03]");
-  if (desc.SourceAccelerationStructureData)
+  const bool update = desc.Inputs.Flags & RAYTRACING_ACCELERATION_STRUCTURE_BUILD_FLAG_PERFORM_UPDATE;
+  if (desc.SourceAccelerationStructureData && !update)
     fail_build("SourceAccelerationStructureData", "is set without an update [BI-23]");
+  if (update && !desc.SourceAccelerationStructureData)
+    fail_build("SourceAccelerationStructureData", "is null, an update needs a source [BF-06]");
+  if (desc.SourceAccelerationStructureData % RAYTRACING_ACCELERATION_STRUCTURE_BYTE_ALIGNMENT)
+    fail_build("SourceAccelerationStructureData", "is no multiple of 256 [BI-22]");
   if (desc.DestAccelerationStructureData % RAYTRACING_ACCELERATION_STRUCTURE_BYTE_ALIGNMENT)
     fail_build("DestAccelerationStructureData", "is no multiple of 256 [BI-22]");
   commands_.emplace_back(detail::BuildCommand{desc, detail::copy_geometries(desc.Inputs)});

@@ -43,7 +43,8 @@ using Command = std::variant<BuildCommand, CopyCommand, FillCommand, UploadComma
 
 class CommandList {
  public:
-  /// `postbuild` info is a later issue. PERFORM_UPDATE, mixed geometry types and bad alignments throw InputError.
+  /// `postbuild` info is a later issue. Mixed geometry types, bad alignments, and an update without source or a
+  /// source without update throw InputError.
   void BuildRaytracingAccelerationStructure(const BUILD_RAYTRACING_ACCELERATION_STRUCTURE_DESC& desc);
 
   void SetPipelineState1(std::shared_ptr<const StateObject> state_object) { state_object_ = std::move(state_object); }
