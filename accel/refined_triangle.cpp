@@ -53,17 +53,13 @@ struct Quotients {
   Ends t, u, v;
 
   Quotients(const Determinants<DoubleDouble>& determinants, const DeterminantErrors& errors) {
-    const double inverse = 1 / determinants.area.high;
-    const DoubleDouble depth = determinants.depth / determinants.area;
-    t = ends_of(depth, errors.t_quotient(inverse, depth.high));
-    u = ends_of(determinants.u / determinants.area, errors.u_quotient(inverse));
-    v = ends_of(determinants.v / determinants.area, errors.v_quotient(inverse));
+    const auto& [area, u_area, v_area, depth] = determinants;
+    const double inverse = std::fabs(1 / area.high);
+    t = ends_of(depth / area, errors.t_divided(depth.high) * inverse);
+    u = ends_of(u_area / area, errors.u_divided(area.high) * inverse);
+    v = ends_of(v_area / area, errors.v_divided(area.high) * inverse);
   }
 };
-
-bool in_range(const PreparedRay& ray, float t, float t_far) {
-  return t > ray.t_min && t <= t_far && t <= std::numeric_limits<float>::max();
-}
 
 /// The hit of a triangle whose line hits it.
 std::optional<TriangleHit> quotients_of(const PreparedRay& ray, const TriangleCorners& corners,
@@ -86,9 +82,9 @@ std::optional<TriangleHit> quotients_of(const PreparedRay& ray, const TriangleCo
 
 }  // namespace
 
-std::optional<TriangleHit> refined_hit(const PreparedRay& ray, const TriangleCorners& corners,
-                                       const TriangleExtent& extent, float t_far, bool certain,
+std::optional<TriangleHit> refined_hit(const PreparedRay& ray, TriangleCorners corners, float t_far, bool certain,
                                        TriangleEffort& effort) {
+  const TriangleExtent extent = extent_of(ray, vectors_of<double>(ray, corners));
   if (!finite(extent)) return std::nullopt;
   effort.refined = true;
   const Determinants<DoubleDouble> determinants = vectors_of<DoubleDouble>(ray, corners).determinants();

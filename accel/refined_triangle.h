@@ -6,9 +6,15 @@
 #include <rayloom/accel/triangle.h>
 #include <rayloom/accel/triangle_determinants.h>
 
+#include <limits>
 #include <optional>
 
 namespace rayloom::accel {
+
+/// Whether a rounded t counts.
+inline bool in_range(const PreparedRay& ray, float t, float t_far) {
+  return t > ray.t_min && t <= t_far && t <= std::numeric_limits<float>::max();
+}
 
 /// Which arithmetic a hit took; for tests and measurements.
 struct TriangleEffort {
@@ -18,8 +24,8 @@ struct TriangleEffort {
 };
 
 /// intersect_triangle() and finish_triangle(), without trying doubles. `certain`: the line is known to hit.
-std::optional<TriangleHit> refined_hit(const PreparedRay& ray, const TriangleCorners& corners,
-                                       const TriangleExtent& extent, float t_far, bool certain, TriangleEffort& effort);
+std::optional<TriangleHit> refined_hit(const PreparedRay& ray, TriangleCorners corners, float t_far, bool certain,
+                                       TriangleEffort& effort);
 
 /// intersect_triangle() or, for a certain hit, finish_triangle(), with a report.
 std::optional<TriangleHit> observed_hit(const PreparedRay& ray, const TriangleCorners& corners, float t_far,

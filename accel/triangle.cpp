@@ -1,7 +1,6 @@
 #include <rayloom/accel/refined_triangle.h>
 #include <rayloom/accel/triangle.h>
 
-#include <bit>
 #include <cmath>
 
 namespace rayloom::accel {
@@ -12,8 +11,7 @@ namespace {
 bool out_of_range(const PreparedRay& ray, const Determinants<double>& determinants, const DeterminantErrors& errors,
                   float t_far) {
   const double area = std::fabs(determinants.area);
-  const double depth = std::bit_cast<double>(std::bit_cast<uint64_t>(determinants.depth) ^
-                                             (std::bit_cast<uint64_t>(determinants.area) & uint64_t{1} << 63));
+  const double depth = determinants.depth * std::copysign(1.0, determinants.area);
   const double after_far = double{t_far} * (1 + 0x1p-23) + 0x1p-149;
   const bool before = depth + errors.depth() <= double{ray.t_min} * area;
   const bool beyond = depth - errors.depth() > after_far * area;
@@ -36,8 +34,11 @@ Verdict decide(const Determinants<double>& determinants, const DeterminantErrors
 }
 
 /// The floats that the ends of an interval around a quotient round to: equal if every real in it rounds to that float.
+/// The error of the numerator covers the division.
 struct Ends {
-  Ends(double value, double error) : low(static_cast<float>(value - error)), high(static_cast<float>(value + error)) {}
+  Ends(double numerator, double error, double inverse)
+      : low(static_cast<float>((numerator - error) * inverse)),
+        high(static_cast<float>((numerator + error) * inverse)) {}
 
   bool known() const { return low == high; }
   float value() const { return low + 0.0f; }
@@ -45,20 +46,15 @@ struct Ends {
   float low, high;
 };
 
-bool in_range(const PreparedRay& ray, float t, float t_far) {
-  return t > ray.t_min && t <= t_far && t <= std::numeric_limits<float>::max();
-}
-
-/// The second of four evaluations, in double; docs/numerics.md, "The determinants". Undecided triangles and those with a
-/// coordinate that is not finite, of which every bound is infinite or NaN, are left to the third.
+/// The second of four evaluations, in double; docs/numerics.md, "The determinants". Undecided triangles and those with
+/// a coordinate that is not finite, of which every bound is infinite or NaN, are left to the third.
 template <bool certain>
-std::optional<TriangleHit> hit_of(const PreparedRay& ray, const TriangleCorners& corners, float t_far,
-                                  TriangleEffort& effort) {
+[[gnu::always_inline]] inline std::optional<TriangleHit> hit_of(const PreparedRay& ray, const TriangleCorners& corners,
+                                                                float t_far, TriangleEffort& effort) {
   const TriangleVectors<double> vectors = vectors_of<double>(ray, corners);
-  const TriangleExtent extent = extent_of(ray, vectors);
   const Determinants<double> determinants = vectors.determinants();
-  const DeterminantErrors errors(extent, double_unit);
-  const auto refined = [&](bool is_hit) { return refined_hit(ray, corners, extent, t_far, is_hit, effort); };
+  const DeterminantErrors errors(extent_of(ray, vectors), double_unit);
+  const auto refined = [&](bool is_hit) { return refined_hit(ray, corners, t_far, is_hit, effort); };
   if constexpr (!certain) {
     const Verdict verdict = decide(determinants, errors);
     if (verdict == Verdict::miss) return std::nullopt;
@@ -67,13 +63,14 @@ std::optional<TriangleHit> hit_of(const PreparedRay& ray, const TriangleCorners&
   if (!(std::fabs(determinants.area) > errors.area())) return refined(true);
   if (out_of_range(ray, determinants, errors, t_far)) return std::nullopt;
 
-  const double inverse = 1 / determinants.area, depth = determinants.depth * inverse;
-  const Ends t(depth, errors.t_quotient(inverse, depth));
-  const Ends u(determinants.u * inverse, errors.u_quotient(inverse));
-  const Ends v(determinants.v * inverse, errors.v_quotient(inverse));
+  const auto [area, u_area, v_area, depth] = determinants;
+  const double inverse = 1 / area;
+  const Ends t(depth, errors.t_divided(depth), inverse);
+  const Ends u(u_area, errors.u_divided(area), inverse);
+  const Ends v(v_area, errors.v_divided(area), inverse);
   if (!(t.known() & u.known() & v.known())) return refined(true);
   if (!in_range(ray, t.value(), t_far)) return std::nullopt;
-  return TriangleHit{t.value(), u.value(), v.value(), determinants.area < 0};
+  return TriangleHit{t.value(), u.value(), v.value(), area < 0};
 }
 
 }  // namespace

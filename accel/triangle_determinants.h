@@ -68,28 +68,28 @@ inline constexpr double double_unit = 0x1p-53;  // half the distance from 1 to t
 class DeterminantErrors {
  public:
   DeterminantErrors(const TriangleExtent& extent, double unit)
-      : edge1_(extent.edge1),
-        edge2_(extent.edge2),
-        direction_(extent.direction),
-        unit_(unit),
-        reach_(extent.point + extent.edge1 + extent.edge2) {}
+      : extent_(extent),
+        rounding_(8 * unit),
+        edges_(rounding_ * (extent.edge1 * extent.edge2)),
+        reach_(extent.point + extent.edge1 + extent.edge2),
+        weights_(rounding_ * reach_ * extent.direction) {}
 
-  double area() const { return 8 * unit_ * (edge1_ * edge2_) * direction_; }
-  double u() const { return 8 * unit_ * (edge2_ * reach_) * direction_; }
-  double v() const { return 8 * unit_ * (edge1_ * reach_) * direction_; }
+  double area() const { return edges_ * extent_.direction; }
+  double u() const { return weights_ * extent_.edge2; }
+  double v() const { return weights_ * extent_.edge1; }
   double w() const { return 1.25 * (u() + v()); }
 
   /// Of depth - t area, for the exact t of a hit.
-  double depth() const { return 24 * unit_ * (edge1_ * edge2_) * reach_; }
+  double depth() const { return 3 * edges_ * reach_; }
 
-  double u_quotient(double inverse_area) const { return u() * std::fabs(inverse_area) + 8 * unit_; }
-  double v_quotient(double inverse_area) const { return v() * std::fabs(inverse_area) + 8 * unit_; }
-  double t_quotient(double inverse_area, double t) const {
-    return depth() * std::fabs(inverse_area) + 8 * unit_ * std::fabs(t);
-  }
+  /// Of u, v and depth, so much larger that they cover the division of each by the computed area.
+  double u_divided(double area) const { return u() + rounding_ * std::fabs(area); }
+  double v_divided(double area) const { return v() + rounding_ * std::fabs(area); }
+  double t_divided(double depth_found) const { return depth() + rounding_ * std::fabs(depth_found); }
 
  private:
-  double edge1_, edge2_, direction_, unit_, reach_;
+  TriangleExtent extent_;
+  double rounding_, edges_, reach_, weights_;
 };
 
 }  // namespace rayloom::accel
