@@ -6,7 +6,7 @@
 namespace rayloom::accel {
 namespace {
 
-constexpr Builder builders[] = {Builder::binned_sah, Builder::spatial_splits, Builder::lbvh};
+constexpr Builder builders[] = {Builder::binned_sah, Builder::spatial_splits, Builder::lbvh, Builder::lbvh_treelets};
 
 }  // namespace
 
@@ -22,6 +22,8 @@ const char* builder_name(Builder builder) {
       return "spatial_splits";
     case Builder::lbvh:
       return "lbvh";
+    case Builder::lbvh_treelets:
+      return "lbvh_treelets";
   }
   return "unknown";
 }

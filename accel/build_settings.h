@@ -13,6 +13,7 @@ enum class Builder : uint8_t {
   binned_sah,      ///< the default: splits between bins by surface area
   spatial_splits,  ///< for PREFER_FAST_TRACE: the same, and triangles cut where parts would overlap
   lbvh,            ///< the fastest to build: sorted along a Morton curve
+  lbvh_treelets,   ///< lbvh, then small parts of it rearranged for the least cost
 };
 
 /// Every builder but `automatic`.

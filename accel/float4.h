@@ -48,6 +48,9 @@ inline Box4 box4(const PrimitiveRef& ref) {
   const auto* const bytes = reinterpret_cast<const std::byte*>(&ref);
   return {load3(bytes), load3(bytes + offsetof(PrimitiveRef, max))};
 }
+inline Box4 box4(const Box& box) {
+  return {Float4{box.min[0], box.min[1], box.min[2], 0}, Float4{box.max[0], box.max[1], box.max[2], 0}};
+}
 /// As PrimitiveRef::centre.
 inline Float4 centre4(const Box4& box) { return splat(0.5f) * box.min + splat(0.5f) * box.max; }
 

@@ -1,7 +1,7 @@
-#include <rayloom/accel/float4.h>
 #include <rayloom/accel/lbvh.h>
 #include <rayloom/accel/morton.h>
 #include <rayloom/accel/sequence_split.h>
+#include <rayloom/accel/sequence_tree.h>
 #include <rayloom/accel/subtree.h>
 
 #include <algorithm>
@@ -26,7 +26,7 @@ class LbvhBuilder {
   void build(const Subtree& subtree) {
     if (subtree.count <= max_sweep) {
       gather(subtree);
-      return build_small(subtree);
+      return build_sequence(built_.refs, leaf_size_, subtree, built_.tree);
     }
     const auto [left, right] = halves_of(subtree, curve_cut(subtree), leaf_size_);
     build_halves(left, right, [this](const Subtree& half) { build(half); });
@@ -35,10 +35,10 @@ class LbvhBuilder {
 
   /// How many keys of the range go left.
   uint32_t curve_cut(const Subtree& subtree) const {
-    if (subtree.depth >= max_choice_depth) return halfway(subtree);
+    if (subtree.depth >= max_choice_depth) return middle_cut(subtree, leaf_size_);
     const auto keys = std::span(keys_).subspan(subtree.first, subtree.count);
     const uint64_t change = keys.front().code ^ keys.back().code;
-    if (change == 0) return halfway(subtree);
+    if (change == 0) return middle_cut(subtree, leaf_size_);
     const uint64_t bit = std::bit_floor(change);
     const auto cut =
         std::partition_point(keys.begin(), keys.end(), [bit](const MortonKey& key) { return (key.code & bit) == 0; });
@@ -52,27 +52,8 @@ class LbvhBuilder {
     return below == 0 || (above < subtree.count && above - cut < cut - below) ? above : below;
   }
 
-  uint32_t halfway(const Subtree& subtree) const {
-    return static_cast<uint32_t>(blocks_for(subtree.count, leaf_size_) / 2 * leaf_size_);
-  }
-
   void gather(const Subtree& subtree) {
     for (uint32_t i = subtree.first; i < subtree.first + subtree.count; ++i) built_.refs[i] = unsorted_[keys_[i].index];
-  }
-
-  void build_small(const Subtree& subtree) {
-    const auto refs = std::span(built_.refs).subspan(subtree.first, subtree.count);
-    Box4 box;
-    for (const PrimitiveRef& ref : refs) box.extend(box4(ref));
-    built_.tree[subtree.slot] = {box.box(), subtree.first, subtree.count, 0};
-    if (subtree.count <= leaf_size_) return std::sort(refs.begin(), refs.end(), name_less);
-    const auto cut = subtree.depth >= max_choice_depth
-                         ? halfway(subtree)
-                         : static_cast<uint32_t>(cheapest_cut(refs, box.box(), leaf_size_, subtree.budget));
-    const auto [left, right] = halves_of(subtree, cut, leaf_size_);
-    build_small(left);
-    build_small(right);
-    built_.tree[subtree.slot].right = right.slot;
   }
 
   void join(const Subtree& subtree, const Subtree& left, const Subtree& right) {

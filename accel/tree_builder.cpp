@@ -1,4 +1,5 @@
 #include <rayloom/accel/lbvh.h>
+#include <rayloom/accel/lbvh_treelets.h>
 #include <rayloom/accel/sizes.h>
 #include <rayloom/accel/split_tree.h>
 #include <rayloom/accel/tree_builder.h>
@@ -13,6 +14,7 @@ bool can_split(StructureKind kind, uint32_t flags) {
 }
 
 Builder by_flags(uint32_t flags) {
+  if (flags & build_flag::prefer_fast_build) return Builder::lbvh;
   const bool spends_memory = !(flags & build_flag::minimize_memory);
   return (flags & build_flag::prefer_fast_trace) && spends_memory ? Builder::spatial_splits : Builder::binned_sah;
 }
@@ -33,6 +35,7 @@ TreeInput tree_input(StructureKind kind, uint64_t primitives, const BuildSetting
 BuiltTree build_tree(PrimitiveRefs refs, const TreeInput& input) {
   if (input.builder == Builder::spatial_splits) return build_split_tree(std::move(refs), input);
   if (input.builder == Builder::lbvh) return build_lbvh(refs, input);
+  if (input.builder == Builder::lbvh_treelets) return build_lbvh_treelets(refs, input);
   BuiltTree built{std::move(refs), {}};
   built.tree = build_binary_tree(built.refs, {input.leaf_size, input.leaf_budget});
   return built;
