@@ -1,0 +1,41 @@
+#pragma once
+
+// The inside of a Fiber, for those who switch so often that a call counts. Switches are inlined into the function that
+// waits: after a call the fiber would come back by a return, which the processor expects to lead to where another lane
+// made its last call.
+
+#include <rayloom/base/fiber.h>
+#include <rayloom/base/strand.h>
+
+namespace rayloom {
+
+struct Fiber::Context {
+  Context(std::byte* mapping, std::size_t mapped, std::byte* stack_bottom, std::byte* stack_top);
+  ~Context();
+
+  /// Fiber::resume().
+  [[gnu::always_inline]] void resume() {
+    detail::Strand here;
+    caller = &here;
+    here.switch_to(own, this);
+  }
+  [[gnu::always_inline]] void yield_to(Context& next) {
+    next.caller = caller;
+    own.switch_to(next.own, &next);
+  }
+  [[gnu::always_inline]] void yield() { own.switch_to(*caller, nullptr); }
+
+  /// First frame of the stack; never returns. A finished fiber waits here for its next function.
+  static void entry(void* argument);
+
+  std::byte* begin;  // of the mapping: guard page, stack, this object
+  std::size_t bytes;
+  unsigned valgrind_id;
+  detail::Strand own;
+  detail::Strand* caller = nullptr;
+  Function function = nullptr;
+  void* argument = nullptr;
+  bool done = true;
+};
+
+}  // namespace rayloom
