@@ -1,7 +1,6 @@
 #include <rayloom/base/error.h>
 #include <rayloom/base/parallel.h>
 #include <rayloom/runtime/execute.h>
-#include <rayloom/runtime/native_tracer.h>
 #include <rayloom/runtime/warp.h>
 
 #include <algorithm>
@@ -76,23 +75,33 @@ ExecutionMode choose_mode(const DispatchCommand& command, const DispatchOptions&
   return direct && fits ? ExecutionMode::direct : ExecutionMode::warp;
 }
 
-/// Workspaces that threads hand on to each other, so that fibers are made once per thread and dispatch.
-class WorkspacePool {
+/// Warps that threads hand on to each other, so that fibers are made once per thread and dispatch.
+class WarpPool {
  public:
-  std::unique_ptr<WarpWorkspace> take() {
-    const std::lock_guard lock(mutex_);
-    if (free_.empty()) return std::make_unique<WarpWorkspace>();
-    std::unique_ptr<WarpWorkspace> workspace = std::move(free_.back());
-    free_.pop_back();
-    return workspace;
+  std::unique_ptr<Warp> take(const DispatchContext& dispatch) {
+    {
+      const std::lock_guard lock(mutex_);
+      if (!free_.empty()) {
+        std::unique_ptr<Warp> warp = std::move(free_.back());
+        free_.pop_back();
+        return warp;
+      }
+    }
+    return std::make_unique<Warp>(dispatch);
   }
-  void give_back(std::unique_ptr<WarpWorkspace> workspace) {
+  void give_back(std::unique_ptr<Warp> warp) {
     const std::lock_guard lock(mutex_);
-    free_.push_back(std::move(workspace));
+    free_.push_back(std::move(warp));
+  }
+  /// When all have been given back.
+  DispatchStatistics statistics() const {
+    DispatchStatistics sum;
+    for (const auto& warp : free_) sum += warp->statistics();
+    return sum;
   }
 
  private:
-  std::vector<std::unique_ptr<WarpWorkspace>> free_;
+  std::vector<std::unique_ptr<Warp>> free_;
   std::mutex mutex_;
 };
 
@@ -116,44 +125,34 @@ class Grid {
 
   DispatchStatistics run() {
     parallel_for(warp_count(), warps_per_chunk, [this](uint64_t begin, uint64_t end) { run_warps(begin, end); });
-    return statistics_;
+    return pool_.statistics();
   }
 
  private:
   void run_warps(uint64_t begin, uint64_t end) {
     const MemoryScope memory(dispatch_.shader_memory);
-    std::unique_ptr<WarpWorkspace> workspace = pool_.take();
-    for (uint64_t warp = begin; warp < end; ++warp) run_warp(warp, *workspace);
-    pool_.give_back(std::move(workspace));
+    std::unique_ptr<Warp> warp = pool_.take(dispatch_);
+    for (uint64_t index = begin; index < end; ++index) run_warp(*warp, index);
+    pool_.give_back(std::move(warp));  // unless a lane has failed
   }
 
-  void run_warp(uint64_t index, WarpWorkspace& workspace) {
+  void run_warp(Warp& warp, uint64_t index) {
     const uint64_t first = index * dispatch_.warp_size;
     const auto lanes = static_cast<uint32_t>(std::min<uint64_t>(dispatch_.warp_size, dispatch_.thread_count() - first));
-    std::unique_ptr<WarpTracer> tracer = dispatch_.tracer.begin_warp(index);
+    if (!dispatch_.tracer) return warp.run(nullptr, first, lanes);
+    std::unique_ptr<WarpTracer> tracer = dispatch_.tracer->begin_warp(index);
     std::exception_ptr failure;
-    {
-      Warp warp(dispatch_, *tracer, workspace, first, lanes);
-      try {
-        warp.run();
-      } catch (...) {
-        failure = std::current_exception();
-      }
-      add(warp.statistics());
+    try {
+      warp.run(tracer.get(), first, lanes);
+    } catch (...) {
+      failure = std::current_exception();
     }
-    dispatch_.tracer.end_warp(index, std::move(tracer));
+    dispatch_.tracer->end_warp(index, std::move(tracer));
     if (failure) std::rethrow_exception(failure);
   }
 
-  void add(const DispatchStatistics& statistics) {
-    const std::lock_guard lock(mutex_);
-    statistics_ += statistics;
-  }
-
   const DispatchContext& dispatch_;
-  WorkspacePool pool_;
-  DispatchStatistics statistics_;
-  std::mutex mutex_;
+  WarpPool pool_;
 };
 
 DispatchReport run_grid(const DispatchContext& dispatch) {
@@ -163,10 +162,12 @@ DispatchReport run_grid(const DispatchContext& dispatch) {
   report.warp_size = dispatch.warp_size;
   report.warps = grid.warp_count();
   const DISPATCH_RAYS_DESC& desc = dispatch.desc();
-  dispatch.tracer.begin_dispatch({desc.Width, desc.Height, desc.Depth, dispatch.warp_size, report.warps,
-                                  dispatch.pipeline.infos, dispatch.memory.addresses()});
+  Tracer* const tracer = dispatch.tracer;
+  if (tracer)
+    tracer->begin_dispatch({desc.Width, desc.Height, desc.Depth, dispatch.warp_size, report.warps,
+                            dispatch.pipeline.infos, dispatch.memory.addresses()});
   report.statistics = grid.run();
-  dispatch.tracer.end_dispatch();
+  if (tracer) tracer->end_dispatch();
   return report;
 }
 
@@ -182,12 +183,26 @@ DispatchReport dispatch_rays(const DispatchCommand& command, const DispatchOptio
     report.skipped_by = problem.row;
     return report;
   }
-  NativeTracer native;
-  Tracer& tracer = options.tracer ? *options.tracer : native;
   StructureCache structures(memory);
-  return run_grid({command, command.state_object->pipeline(), memory, memory.shader_memory(), tracer, structures, log,
-                   choose_mode(command, options), options.warp_size, fiber_stack_bytes(command, options),
-                   tracer.observes_shaders()});
+  const ShaderMemory view = memory.shader_memory();
+  const DISPATCH_RAYS_DESC& desc = command.desc;
+  const GPU_VIRTUAL_ADDRESS_RANGE& first = desc.RayGenerationShaderRecord;
+  return run_grid({.command = command,
+                   .pipeline = command.state_object->pipeline(),
+                   .memory = memory,
+                   .shader_memory = view,
+                   .tracer = options.tracer,
+                   .structures = structures,
+                   .log = log,
+                   .mode = choose_mode(command, options),
+                   .warp_size = options.warp_size,
+                   .fiber_stack_bytes = fiber_stack_bytes(command, options),
+                   .observed = options.tracer && options.tracer->observes_shaders(),
+                   .validates = log.enabled(),
+                   .ray_generation = {view, {first.StartAddress, first.SizeInBytes, 0}, ExportKind::ray_generation},
+                   .miss = {view, desc.MissShaderTable, ExportKind::miss},
+                   .hit_groups = {view, desc.HitGroupTable, ExportKind::hit_group},
+                   .callables = {view, desc.CallableShaderTable, ExportKind::callable}});
 }
 
 }  // namespace detail

@@ -31,4 +31,48 @@ constexpr GridIndex grid_index(uint32_t width, uint32_t height, uint64_t linear)
           static_cast<uint32_t>(linear / slice)};
 }
 
+/// grid_index() of one linear index after another, without divisions.
+class GridWalk {
+ public:
+  GridWalk(uint32_t width, uint32_t height, uint64_t linear)
+      : width_(width), height_(height), at_(grid_index(width, height, linear)) {
+    first_column_ = at_.x / grid_tile_width * grid_tile_width;
+    first_row_ = at_.y / grid_tile_height * grid_tile_height;
+    enter_tile();
+  }
+
+  const GridIndex& operator*() const { return at_; }
+  GridWalk& operator++() {
+    if (++at_.x == end_column_) next_row();
+    return *this;
+  }
+
+ private:
+  void enter_tile() {
+    end_column_ = std::min(width_, first_column_ + grid_tile_width);
+    end_row_ = std::min(height_, first_row_ + grid_tile_height);
+  }
+  void next_row() {
+    at_.x = first_column_;
+    if (++at_.y == end_row_) next_tile();
+  }
+  void next_tile() {
+    if (end_column_ == width_) {
+      const bool slice_ends = end_row_ == height_;
+      first_row_ = slice_ends ? 0 : end_row_;
+      at_.z += slice_ends;
+      first_column_ = 0;
+    } else {
+      first_column_ = end_column_;
+    }
+    at_.x = first_column_;
+    at_.y = first_row_;
+    enter_tile();
+  }
+
+  uint32_t width_, height_;
+  GridIndex at_;
+  uint32_t first_column_, first_row_, end_column_ = 0, end_row_ = 0;
+};
+
 }  // namespace rayloom

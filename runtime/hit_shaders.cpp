@@ -1,4 +1,5 @@
 #include <rayloom/runtime/ray_frame.h>
+#include <rayloom/runtime/run_shader.h>
 
 #include <cmath>
 
@@ -34,18 +35,20 @@ class ObservedLane {
 /// Runs any-hit if the group has one that can run; a group without accepts (OP-11).
 HitDecision run_any_hit(Invocation& invocation, RayFrame& frame, const HitGroup& group, const void* attributes,
                         const TypeInfo& attribute_type) {
-  const ShaderDefinition* const shader = frame.lane->dispatch().pipeline.shader(group.any_hit);
-  if (!shader || !takes_payload(frame, *shader)) return HitDecision::accept;
-  if (!(shader->attributes == attribute_type)) {
-    frame.lane->report("IS-14", [&] { return "any-hit shader '" + shader->name + "' takes other attributes"; });
+  const uint32_t shader = group.any_hit;
+  if (shader == no_shader || !takes_payload(frame, shader)) return HitDecision::accept;
+  const Pipeline& pipeline = frame.lane->dispatch().pipeline;
+  if (!(pipeline.code[shader].attributes == attribute_type)) {
+    frame.lane->report("IS-14",
+                       [&] { return "any-hit shader '" + pipeline.shaders[shader].name + "' takes other attributes"; });
     return HitDecision::accept;
   }
-  return run_shader(invocation, group.any_hit, frame.payload, attributes);
+  return run_shader(invocation, shader, frame.payload, attributes);
 }
 
 bool ends_search(const RayFrame& frame, HitDecision decision) {
   return decision == HitDecision::accept_and_end_search ||
-         (frame.flags & RAY_FLAG_ACCEPT_FIRST_HIT_AND_END_SEARCH) != 0;
+         (frame.arguments->flags & RAY_FLAG_ACCEPT_FIRST_HIT_AND_END_SEARCH) != 0;
 }
 
 Primitive primitive_of(const accel::Candidate& candidate, const accel::InstanceRecord& instance) {
@@ -70,7 +73,7 @@ accel::Verdict decide_triangle(RayFrame& frame, const accel::Candidate& candidat
   if (!has_type(frame, *group, HIT_GROUP_TYPE_TRIANGLES)) return {};
   const Primitive primitive = primitive_of(candidate, instance);
   const BuiltInTriangleIntersectionAttributes attributes{float2(candidate.u, candidate.v)};
-  Invocation invocation{frame.lane, &frame, &primitive, candidate.t, selected.record};
+  Invocation invocation{frame.lane, frame.arguments, &primitive, candidate.t, frame.record_at(selected.address)};
   const HitDecision decision =
       run_any_hit(invocation, frame, *group, &attributes, type_info_of<BuiltInTriangleIntersectionAttributes>());
   if (decision == HitDecision::ignore) return {};
@@ -84,7 +87,8 @@ accel::Verdict decide_procedural(RayFrame& frame, const accel::Candidate& candid
   if (!group || !has_type(frame, *group, HIT_GROUP_TYPE_PROCEDURAL_PRIMITIVE)) return {};  // ST-16
   Primitive primitive = primitive_of(candidate, instance);
   IntersectionInvocation invocation;
-  static_cast<Invocation&>(invocation) = {frame.lane, &frame, &primitive, candidate.t_current, selected.record};
+  static_cast<Invocation&>(invocation) = {frame.lane, frame.arguments, &primitive, candidate.t_current,
+                                          frame.record_at(selected.address)};
   invocation.frame = &frame;
   invocation.group = group;
   invocation.candidate = &primitive;
@@ -111,7 +115,7 @@ bool is_reportable(const IntersectionInvocation& self, float t, uint hit_kind) {
     return false;
   }
   const bool takes_equal = self.accepted || self.wins_ties;
-  return self.frame->desc.TMin <= t && (takes_equal ? t <= self.t_current : t < self.t_current);
+  return self.frame->arguments->desc.TMin <= t && (takes_equal ? t <= self.t_current : t < self.t_current);
 }
 
 /// Any-hit for a reported hit, seeing its t and hit kind; ray and record are the intersection shader's (RS-03).

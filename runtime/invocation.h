@@ -17,8 +17,8 @@ struct LaneIdentity {
 
 /// One TraceRay between call and return. `flags` are those the shader gave, defined bits only (SV-26).
 struct ActiveRay {
-  RayDesc desc{};
-  uint flags = 0;
+  RayDesc desc;
+  uint flags;
 };
 
 /// The candidate (IS, AH) or the committed hit (CH).
@@ -27,27 +27,29 @@ struct Primitive {
   uint instance_index = 0, geometry_index = 0, primitive_index = 0, hit_kind = 0;
 };
 
-/// The shader record that selected a shader: its address and the bytes it may read after the identifier.
+struct RecordTable;
+
+/// The shader record that selected a shader.
 struct ShaderRecord {
+  const RecordTable* table = nullptr;
   uint64_t address = 0;
-  uint32_t local_bytes = 0;
 };
 
 struct Invocation {
   LaneIdentity* lane = nullptr;
-  ActiveRay* ray = nullptr;              ///< null in ray generation and callable shaders
+  const ActiveRay* ray = nullptr;        ///< null in ray generation and callable shaders
   const Primitive* primitive = nullptr;  ///< intersection, any-hit, closest-hit
   float t_current = 0;                   ///< RayTCurrent of this stage (SV-24)
   ShaderRecord record;
 };
 
-struct TraceRayArguments {
-  uint64_t structure = 0;
-  uint flags = 0, instance_mask = 0, ray_contribution = 0, geometry_multiplier = 0, miss_index = 0;
-  RayDesc ray{};
+/// What a shader gave TraceRay. Shaders the ray calls read the ray here, which the caller's own may not outlive.
+struct TraceRayArguments : ActiveRay {
+  uint64_t structure;
+  uint instance_mask, ray_contribution, geometry_multiplier, miss_index;
 };
 
-void trace_ray(Invocation&, const TraceRayArguments&, void* payload, const TypeInfo& payload_type);
+void trace_ray(Invocation&, TraceRayArguments&, void* payload, const TypeInfo& payload_type);
 void call_shader(Invocation&, uint shader_index, void* parameters, const TypeInfo& parameter_type);
 ReportHitResult report_hit(Invocation&, float t, uint hit_kind, const void* attributes, const TypeInfo& attribute_type);
 void mark_branch(Invocation&, uint signature);

@@ -15,21 +15,27 @@ namespace rayloom::detail {
 class Warp;
 struct RayFrame;
 
+/// Host stack left for a shader's own frames and for what it calls in the engine.
+inline constexpr uint64_t host_stack_reserve = 32 * 1024;
+
+/// Made once a workspace; what changes from warp to warp is set by Warp::begin_lane().
 struct Lane : LaneIdentity {
   Warp* warp = nullptr;
-  Fiber* fiber = nullptr;  ///< null in direct mode
-  uint64_t linear_index = 0;
-  uint32_t number = 0;  ///< in the warp
-  uint32_t trace_depth = 0;
-  uint64_t stack_used = 0;      ///< of the pipeline stack size, in declared bytes (RC-05)
-  uintptr_t stack_limit = 0;    ///< lowest host stack address shaders may reach
+  const DispatchContext* context = nullptr;
+  DispatchStatistics* counts = nullptr;
+  Fiber* fiber = nullptr;       ///< null in direct mode
   RayFrame* pending = nullptr;  ///< the ray this lane waits for
   std::exception_ptr failure;   ///< why the lane died; its first failure stays
+  uint64_t stack_used = 0;      ///< of the pipeline stack size, in declared bytes (RC-05)
+  uintptr_t stack_limit = 0;    ///< lowest host stack address shaders may reach
+  uint32_t trace_depth = 0;
+  uint32_t number = 0;  ///< in the warp
+  uint64_t linear_index = 0;
+  uint64_t exception_state[2] = {};  ///< the C++ runtime's per-thread state (exceptions being handled) of this lane
   LaneObserver observer{};
-  uint64_t exception_state[2] = {};  ///< the C++ runtime's per-thread state (exceptions being handled) of this fiber
 
-  const DispatchContext& dispatch() const;
-  DispatchStatistics& statistics() const;
+  const DispatchContext& dispatch() const { return *context; }
+  DispatchStatistics& statistics() const { return *counts; }
 
   /// Throws the failure again for shaders that swallowed it.
   void check_alive() const {
@@ -38,18 +44,22 @@ struct Lane : LaneIdentity {
   }
   [[noreturn]] void remove_device(const std::string& reason);
   /// Room on the host stack for one more shader of this declared size (RC-08).
-  void check_host_stack(uint64_t shader_bytes);
+  void check_host_stack(uint64_t shader_bytes) {
+    const auto here = reinterpret_cast<uintptr_t>(__builtin_frame_address(0));
+    if (here < stack_limit + host_stack_reserve + 2 * shader_bytes) [[unlikely]]
+      low_host_stack();
+  }
 
   template <class Text>
   void report(std::string_view row, Text text) const {
-    if (dispatch().log.enabled()) [[unlikely]]
+    if (dispatch().validates) [[unlikely]]
       dispatch().log.add(row, linear_index, text());
   }
+
+ private:
+  void low_host_stack();
 };
 
 inline Lane& lane_of(const Invocation& invocation) { return static_cast<Lane&>(*invocation.lane); }
-
-/// Runs a shader with stack accounting, statistics and observation.
-HitDecision run_shader(Invocation& invocation, uint32_t shader, void* data, const void* attributes);
 
 }  // namespace rayloom::detail

@@ -9,7 +9,6 @@ namespace {
 
 constexpr uint64_t identifier_magic = 0x444853'4d4f4c52;  // marks an identifier as ours; keeps it from being all zero
 
-/// The index travels inside, so that a lookup is one comparison.
 ShaderIdentifier make_identifier(const Export& item, uint64_t position) {
   const uint64_t name_hash = hash64(item.name);
   const uint64_t words[4] = {identifier_magic, uint64_t{position} << 8 | static_cast<uint64_t>(item.kind), name_hash,
@@ -24,16 +23,8 @@ ShaderIdentifier make_identifier(const Export& item, uint64_t position) {
 void Pipeline::add_export(const std::string& name, ExportKind kind, size_t index, uint32_t local_root_bytes) {
   Export item{name, kind, static_cast<uint32_t>(index), local_root_bytes, {}};
   item.identifier = make_identifier(item, exports.size());
+  identifiers.push_back(item.identifier);
   exports.push_back(std::move(item));
-}
-
-const Export* Pipeline::find(const std::byte* identifier) const {
-  uint64_t word;
-  std::memcpy(&word, identifier + 8, sizeof(word));
-  const uint64_t position = word >> 8;
-  if (position >= exports.size()) return nullptr;
-  const Export& item = exports[position];
-  return std::memcmp(item.identifier.data(), identifier, item.identifier.size()) == 0 ? &item : nullptr;
 }
 
 const Export* Pipeline::find(std::string_view name) const {

@@ -85,6 +85,8 @@ class Resolver {
     pipeline_.shaders.push_back(shader);
     pipeline_.shaders.back().name = name;
     pipeline_.infos.push_back({name, shader.stage, shader.options.cost});
+    pipeline_.code.push_back(
+        {shader.entry, shader.functor.get(), shader.payload, shader.attributes, shader.stack_bytes(), shader.stage});
   }
 
   void add_library(const DXIL_LIBRARY_DESC& library) {

@@ -39,6 +39,14 @@ struct ShaderMemory {
       return nullptr;
     return reinterpret_cast<std::byte*>(base + address);
   }
+  /// Whether [address, address + size) is committed; any size.
+  bool committed_all(uint64_t address, uint64_t size) const {
+    const uint64_t offset = address - first;
+    if (offset >= bytes || size > bytes - offset) return false;
+    for (uint64_t page = offset >> commit_granularity_log2; page << commit_granularity_log2 < offset + size; ++page)
+      if (!committed[page]) return false;
+    return true;
+  }
 };
 
 inline thread_local constinit ShaderMemory shader_memory{};

@@ -2,6 +2,7 @@
 #include <rayloom/runtime/shader_record.h>
 
 #include <algorithm>
+#include <limits>
 
 namespace rayloom::detail {
 namespace {
@@ -21,39 +22,49 @@ const char* table_name(ExportKind kind) {
   }
 }
 
-/// Where the record lies; address 0 when it is not all inside the table and committed memory.
-ShaderRecord locate(const ShaderMemory& memory, const GPU_VIRTUAL_ADDRESS_RANGE_AND_STRIDE& table, uint64_t index) {
-  constexpr uint64_t header = SHADER_IDENTIFIER_SIZE_IN_BYTES;
-  const uint64_t offset = table.StrideInBytes * index;  // stride <= 4096 and index < 2^33: no overflow
-  if (table.SizeInBytes < header || offset > table.SizeInBytes - header) return {};
-  if (!memory.host(table.StartAddress + offset, header)) return {};
-  const uint64_t rest = table.SizeInBytes - offset - header;
-  const uint64_t own = table.StrideInBytes ? table.StrideInBytes - header : RootSignature::max_local_bytes;
-  return {table.StartAddress + offset, static_cast<uint32_t>(std::min(rest, own))};
-}
-
 }  // namespace
 
-SelectedRecord select_record(const Lane& lane, const GPU_VIRTUAL_ADDRESS_RANGE_AND_STRIDE& table, uint64_t index,
-                             ExportKind kind) {
+uint64_t RecordTable::locate(const ShaderMemory& memory, uint64_t index) const {
+  constexpr uint64_t header = SHADER_IDENTIFIER_SIZE_IN_BYTES;
+  const uint64_t offset = range.StrideInBytes * index;  // stride <= 4096 and index < 2^33: no overflow
+  if (range.SizeInBytes < header || offset > range.SizeInBytes - header) return 0;
+  return memory.host(range.StartAddress + offset, header) ? range.StartAddress + offset : 0;
+}
+
+uint32_t RecordTable::local_bytes(uint64_t record_address) const {
+  constexpr uint64_t header = SHADER_IDENTIFIER_SIZE_IN_BYTES;
+  const uint64_t rest = range.StartAddress + range.SizeInBytes - record_address - header;
+  const uint64_t own = range.StrideInBytes ? range.StrideInBytes - header : RootSignature::max_local_bytes;
+  return static_cast<uint32_t>(std::min(rest, own));
+}
+
+RecordTable::RecordTable(const ShaderMemory& memory, const GPU_VIRTUAL_ADDRESS_RANGE_AND_STRIDE& table,
+                         ExportKind table_kind)
+    : range(table), kind(table_kind) {
+  if (!locate(memory, 0) || !memory.committed_all(table.StartAddress, table.SizeInBytes)) return;
+  host = memory.host(table.StartAddress, SHADER_IDENTIFIER_SIZE_IN_BYTES);
+  checked = table.StrideInBytes ? table.SizeInBytes / table.StrideInBytes : std::numeric_limits<uint64_t>::max();
+}
+
+SelectedRecord select_unusual_record(const Lane& lane, const RecordTable& table, uint64_t index) {
   const ShaderMemory& memory = lane.dispatch().shader_memory;
-  const ShaderRecord record = locate(memory, table, index);
-  if (!record.address) {
+  const uint64_t address = table.locate(memory, index);
+  if (!address) {
     lane.report("ST-18", [&] {
-      return "record " + std::to_string(index) + " lies outside of the " + table_name(kind) + " of " +
-             std::to_string(table.SizeInBytes) + " bytes; it counts as NULL";
+      return "record " + std::to_string(index) + " lies outside of the " + table_name(table.kind) + " of " +
+             std::to_string(table.range.SizeInBytes) + " bytes; it counts as NULL";
     });
     return {};
   }
-  const std::byte* const identifier = memory.host(record.address, SHADER_IDENTIFIER_SIZE_IN_BYTES);
+  const std::byte* const identifier = memory.host(address, SHADER_IDENTIFIER_SIZE_IN_BYTES);
   const Export* const target = lane.dispatch().pipeline.find(identifier);
-  if (target && target->kind == kind) return {target, record};
+  if (target && target->kind == table.kind) return {target, address};
   if (std::memcmp(identifier, null_identifier.data(), null_identifier.size()) != 0)
     lane.report("ST-19", [&] {
-      return "record " + std::to_string(index) + " of the " + table_name(kind) +
+      return "record " + std::to_string(index) + " of the " + table_name(table.kind) +
              " names no such shader of the bound state object; it counts as NULL";
     });
-  return {nullptr, record};
+  return {nullptr, address};
 }
 
 }  // namespace rayloom::detail

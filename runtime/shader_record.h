@@ -8,7 +8,7 @@ namespace rayloom::detail {
 
 struct SelectedRecord {
   const Export* target = nullptr;  ///< null: the NULL identifier, or nothing that could run (ST-14..16, ST-18, ST-19)
-  ShaderRecord record;
+  uint64_t address = 0;            ///< of the record
 };
 
 /// The index of ST-07 with the maskings of ST-08. At most 2^28 - 1 for legal input, computed in 64 bits (ST-12).
@@ -18,8 +18,18 @@ constexpr uint64_t hit_group_index(uint32_t ray_contribution, uint32_t geometry_
          (instance_contribution & 0xFFFFFFu);
 }
 
-/// A record must name an export of this kind; anything else counts as NULL and is reported.
-SelectedRecord select_record(const Lane& lane, const GPU_VIRTUAL_ADDRESS_RANGE_AND_STRIDE& table, uint64_t index,
-                             ExportKind kind);
+/// Everything select_record() has to say about records that name no shader of the right kind.
+SelectedRecord select_unusual_record(const Lane& lane, const RecordTable& table, uint64_t index);
+
+/// A record must name an export of the table's kind; anything else counts as NULL and is reported.
+inline SelectedRecord select_record(const Lane& lane, const RecordTable& table, uint64_t index) {
+  if (index < table.checked) [[likely]] {
+    const uint64_t offset = index * table.range.StrideInBytes;
+    const Export* const target = lane.dispatch().pipeline.find(table.host + offset);
+    if (target && target->kind == table.kind) [[likely]]
+      return {target, table.range.StartAddress + offset};
+  }
+  return select_unusual_record(lane, table, index);
+}
 
 }  // namespace rayloom::detail

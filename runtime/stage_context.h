@@ -74,10 +74,13 @@ class StageContext {
   void TraceRay(RaytracingAccelerationStructure scene, uint RayFlags, uint InstanceInclusionMask,
                 uint RayContributionToHitGroupIndex, uint MultiplierForGeometryContributionToHitGroupIndex,
                 uint MissShaderIndex, const RayDesc& ray, Payload& payload) requires MayTraceRay<S> {
-    detail::trace_ray(self_,
-                      {scene.address, RayFlags, InstanceInclusionMask, RayContributionToHitGroupIndex,
-                       MultiplierForGeometryContributionToHitGroupIndex, MissShaderIndex, ray},
-                      &payload, type_info_of<Payload>());
+    detail::TraceRayArguments arguments{{ray, RayFlags},
+                                        scene.address,
+                                        InstanceInclusionMask,
+                                        RayContributionToHitGroupIndex,
+                                        MultiplierForGeometryContributionToHitGroupIndex,
+                                        MissShaderIndex};
+    detail::trace_ray(self_, arguments, &payload, type_info_of<Payload>());
   }
 
   template <PlainStruct Parameters>

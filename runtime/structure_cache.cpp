@@ -1,10 +1,13 @@
 #include <rayloom/accel/build.h>
+#include <rayloom/accel/build_input.h>
 #include <rayloom/accel/ray.h>
 #include <rayloom/base/error.h>
 #include <rayloom/runtime/structure_cache.h>
 
 #include <cinttypes>
 #include <cstdio>
+#include <unordered_map>
+#include <utility>
 
 namespace rayloom::detail {
 namespace {
@@ -83,21 +86,47 @@ class Inspector {
   void add(const accel::InstanceRecord& record) {
     if (record.instance_index >= result_.instances.size())
       return reject("ERR-08", "the structure at " + hexadecimal(address_) + " is damaged");
-    const accel::StructureHeader* const bottom = structure_at(record.bottom_level_address);
+    const accel::StructureHeader* const bottom = bottom_level_at(record.bottom_level_address);
     if (!bottom || bottom->kind == accel::StructureKind::instances)
       return reject("TL-11", "instance " + std::to_string(record.instance_index) + " of the structure at " +
                                  hexadecimal(address_) + " refers to " + hexadecimal(record.bottom_level_address) +
                                  ", where there is no bottom level any more");
     result_.instances[record.instance_index] = &record;
+    note_candidates(record.contribution_and_flags >> 24, *bottom);
+  }
+
+  /// Many instances share few bottom levels: each of those is checked once.
+  const accel::StructureHeader* bottom_level_at(uint64_t address) {
+    if (address == last_bottom_level_.first) return last_bottom_level_.second;
+    const auto [found, inserted] = bottom_levels_.try_emplace(address, nullptr);
+    if (inserted) found->second = structure_at(address);
+    last_bottom_level_ = *found;
+    return found->second;
+  }
+
+  void note_candidates(uint32_t instance_flags, const accel::StructureHeader& bottom) {
+    if (bottom.kind == accel::StructureKind::procedurals) result_.has_procedurals = true;
+    if (bottom.kind != accel::StructureKind::triangles || (instance_flags & accel::instance_flag::force_opaque)) return;
+    result_.has_non_opaque |=
+        bottom.non_opaque_count != 0 || (instance_flags & accel::instance_flag::force_non_opaque) != 0;
   }
 
   const DeviceMemory& memory_;
   uint64_t address_;
   TopLevel result_;
   std::vector<uint32_t> pending_;
+  std::unordered_map<uint64_t, const accel::StructureHeader*> bottom_levels_;
+  std::pair<uint64_t, const accel::StructureHeader*> last_bottom_level_{};
 };
 
 }  // namespace
+
+bool TopLevel::asks(uint32_t ray_flags) const {
+  using namespace accel;
+  if (has_procedurals && !(ray_flags & ray_flag::skip_procedural_primitives)) return true;
+  if (ray_flags & (ray_flag::skip_triangles | ray_flag::force_opaque | ray_flag::cull_non_opaque)) return false;
+  return has_non_opaque || (ray_flags & ray_flag::force_non_opaque);
+}
 
 const TopLevel& StructureCache::find(uint64_t address) {
   const std::lock_guard lock(mutex_);

@@ -19,6 +19,11 @@ struct TopLevel {
   std::string_view row;
   std::string problem;
   std::vector<const accel::InstanceRecord*> instances;  ///< by instance index; null for inactive ones
+  bool has_procedurals = false;
+  bool has_non_opaque = false;  ///< triangles, after the flags of geometry and instance
+
+  /// False when no ray with these flags (accel::ray_flag) meets a candidate: traversal then needs no way to ask.
+  bool asks(uint32_t ray_flags) const;
 };
 
 /// Thread-safe; lives as long as one dispatch, because structures may be rebuilt between two.

@@ -44,12 +44,12 @@ void read_local_root(Invocation& invocation, void* out, uint32_t bytes) {
   const Lane& lane = lane_of(invocation);
   const ShaderRecord& record = invocation.record;
   const uint64_t address = record.address + SHADER_IDENTIFIER_SIZE_IN_BYTES;
-  const std::byte* const host =
-      bytes <= record.local_bytes ? lane.dispatch().shader_memory.host(address, bytes) : nullptr;
+  const uint32_t held = record.table->local_bytes(record.address);
+  const std::byte* const host = bytes <= held ? lane.dispatch().shader_memory.host(address, bytes) : nullptr;
   if (!host)
     return lane.report("ST-04", [&] {
-      return "LocalRoot reads " + std::to_string(bytes) + " bytes, the record holds " +
-             std::to_string(record.local_bytes) + "; zeros are returned";
+      return "LocalRoot reads " + std::to_string(bytes) + " bytes, the record holds " + std::to_string(held) +
+             "; zeros are returned";
     });
   std::memcpy(out, host, bytes);
   if (const LaneObserver* observer = shader_memory.observer)

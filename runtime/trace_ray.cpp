@@ -1,4 +1,5 @@
 #include <rayloom/runtime/ray_frame.h>
+#include <rayloom/runtime/run_shader.h>
 #include <rayloom/runtime/warp.h>
 
 namespace rayloom::detail {
@@ -16,12 +17,16 @@ class DepthScope {
   Lane& lane_;
 };
 
+[[noreturn]] void exceed_depth(Lane& lane) {
+  lane.remove_device("RC-01: TraceRay at recursion depth " + std::to_string(lane.trace_depth) +
+                     ", the pipeline declares MaxTraceRecursionDepth " +
+                     std::to_string(lane.dispatch().pipeline.config.MaxTraceRecursionDepth));
+}
+
 void check_may_trace(Lane& lane) {
   lane.check_alive();
-  const uint32_t declared = lane.dispatch().pipeline.config.MaxTraceRecursionDepth;
-  if (lane.trace_depth >= declared)
-    lane.remove_device("RC-01: TraceRay at recursion depth " + std::to_string(lane.trace_depth) +
-                       ", the pipeline declares MaxTraceRecursionDepth " + std::to_string(declared));
+  if (lane.trace_depth >= lane.dispatch().pipeline.config.MaxTraceRecursionDepth) [[unlikely]]
+    exceed_depth(lane);
   lane.check_host_stack(0);
 }
 
@@ -38,7 +43,7 @@ void validate_call(const Lane& lane, const TraceRayArguments& arguments, const T
 /// A null structure and one that cannot be traced both miss (TR-03, TL-11, TL-12).
 const TopLevel* find_scene(Lane& lane, uint64_t address) {
   if (address == 0) return nullptr;
-  const TopLevel& scene = lane.warp->find_structure(address);
+  const TopLevel& scene = lane.warp->structure(address);
   if (scene.block) return &scene;
   lane.report(scene.row, [&] { return scene.problem; });
   return nullptr;
@@ -47,83 +52,81 @@ const TopLevel* find_scene(Lane& lane, uint64_t address) {
 BuiltInTriangleIntersectionAttributes barycentrics(const accel::Hit& hit) { return {float2(hit.u, hit.v)}; }
 
 /// STG-12, IS-14: the shader must take the attributes the hit has.
-bool takes_attributes(const RayFrame& frame, const ShaderDefinition& shader) {
-  const bool triangle = frame.hit.type == accel::HitType::triangle;
+bool takes_attributes(const RayFrame& frame, uint32_t shader) {
+  const Pipeline& pipeline = frame.lane->dispatch().pipeline;
+  const bool triangle = frame.hit->type == accel::HitType::triangle;
   const TypeInfo given = triangle ? type_info_of<BuiltInTriangleIntersectionAttributes>() : frame.reported.type;
-  if (shader.attributes == given) return true;
-  frame.lane->report("IS-14", [&] { return "closest-hit shader '" + shader.name + "' takes other attributes"; });
+  if (pipeline.code[shader].attributes == given) return true;
+  frame.lane->report(
+      "IS-14", [&] { return "closest-hit shader '" + pipeline.shaders[shader].name + "' takes other attributes"; });
   return false;
 }
 
 /// ST-20: the group's type must be the primitive's.
 bool fits_group(const RayFrame& frame, const HitGroup& group) {
-  const bool triangle = frame.hit.type == accel::HitType::triangle;
+  const bool triangle = frame.hit->type == accel::HitType::triangle;
   if (triangle == (group.type == HIT_GROUP_TYPE_TRIANGLES)) return true;
   frame.lane->report("ST-20", [&] { return "hit group '" + group.name + "' does not fit the primitive that was hit"; });
   return false;
 }
 
 void run_closest_hit(RayFrame& frame) {
-  const accel::Hit& hit = frame.hit;
+  const accel::Hit& hit = *frame.hit;
   const accel::InstanceRecord& instance = *frame.scene->instances[hit.instance_index];
   const SelectedRecord selected = frame.hit_record(instance, hit.geometry_index);
   if (!selected.target) return;
-  const Pipeline& pipeline = frame.lane->dispatch().pipeline;
-  const HitGroup& group = pipeline.hit_groups[selected.target->index];
-  const ShaderDefinition* const shader = pipeline.shader(group.closest_hit);
-  if (!fits_group(frame, group) || !shader || !takes_payload(frame, *shader) || !takes_attributes(frame, *shader))
+  const HitGroup& group = frame.lane->dispatch().pipeline.hit_groups[selected.target->index];
+  const uint32_t shader = group.closest_hit;
+  if (!fits_group(frame, group) || shader == no_shader || !takes_payload(frame, shader) ||
+      !takes_attributes(frame, shader))
     return;
 
   const Primitive primitive{&instance, hit.instance_index, hit.geometry_index, hit.primitive_index, hit.hit_kind};
   const BuiltInTriangleIntersectionAttributes triangle = barycentrics(hit);
   const void* const attributes =
       hit.type == accel::HitType::triangle ? static_cast<const void*>(&triangle) : frame.reported.bytes;
-  Invocation invocation{frame.lane, &frame, &primitive, hit.t, selected.record};
+  Invocation invocation{frame.lane, frame.arguments, &primitive, hit.t, frame.record_at(selected.address)};
   const DepthScope depth(*frame.lane);
-  run_shader(invocation, group.closest_hit, frame.payload, attributes);
+  run_shader(invocation, shader, frame.payload, attributes);
 }
 
 void run_miss(RayFrame& frame) {
   const DispatchContext& dispatch = frame.lane->dispatch();
-  const SelectedRecord selected = select_record(*frame.lane, dispatch.desc().MissShaderTable,
-                                                frame.arguments->miss_index & 0xFFFFu, ExportKind::miss);
-  if (!selected.target || !takes_payload(frame, dispatch.pipeline.shaders[selected.target->index])) return;
-  Invocation invocation{frame.lane, &frame, nullptr, frame.desc.TMax, selected.record};
+  const SelectedRecord selected = select_record(*frame.lane, dispatch.miss, frame.arguments->miss_index & 0xFFFFu);
+  if (!selected.target || !takes_payload(frame, selected.target->index)) return;
+  Invocation invocation{
+      frame.lane, frame.arguments, nullptr, frame.arguments->desc.TMax, {&dispatch.miss, selected.address}};
   const DepthScope depth(*frame.lane);
   run_shader(invocation, selected.target->index, frame.payload, nullptr);
 }
 
 /// What runs after the search: closest hit, miss, or nothing (TR-04).
 void shade(RayFrame& frame) {
-  if (!frame.hit) return run_miss(frame);
+  if (!*frame.hit) return run_miss(frame);
   ++frame.lane->statistics().hits;
-  if (!(frame.flags & RAY_FLAG_SKIP_CLOSEST_HIT_SHADER)) run_closest_hit(frame);
+  if (!(frame.arguments->flags & RAY_FLAG_SKIP_CLOSEST_HIT_SHADER)) run_closest_hit(frame);
 }
 
 }  // namespace
 
-bool takes_payload(const RayFrame& frame, const ShaderDefinition& shader) {
-  if (shader.payload == frame.payload_type) return true;
-  frame.lane->report("STG-13", [&] { return "shader '" + shader.name + "' takes another payload than TraceRay gave"; });
-  return false;
+void report_payload(const RayFrame& frame, uint32_t shader) {
+  const std::string& name = frame.lane->dispatch().pipeline.shaders[shader].name;
+  frame.lane->report("STG-13", [&] { return "shader '" + name + "' takes another payload than TraceRay gave"; });
 }
 
-void trace_ray(Invocation& caller, const TraceRayArguments& arguments, void* payload, const TypeInfo& payload_type) {
+void trace_ray(Invocation& caller, TraceRayArguments& arguments, void* payload, const TypeInfo& payload_type) {
   Lane& lane = lane_of(caller);
   check_may_trace(lane);
-  if (lane.dispatch().log.enabled()) validate_call(lane, arguments, payload_type);
-  RayFrame frame;
-  frame.desc = arguments.ray;
-  frame.flags = arguments.flags & defined_ray_flags;
-  frame.lane = &lane;
-  frame.arguments = &arguments;
-  frame.traversal_flags = frame.flags | lane.dispatch().pipeline.config.Flags;
+  if (lane.dispatch().validates) [[unlikely]]
+    validate_call(lane, arguments, payload_type);
+  arguments.flags &= defined_ray_flags;
+  RayFrame frame(lane, arguments, payload, payload_type);
+  frame.traversal_flags = arguments.flags | lane.dispatch().pipeline.config.Flags;
   frame.scene = find_scene(lane, arguments.structure);
-  frame.payload = payload;
-  frame.payload_type = payload_type;
   ++lane.statistics().rays;
   lane.warp->trace(lane, frame);
-  if (frame.failure) std::rethrow_exception(frame.failure);
+  if (frame.failure) [[unlikely]]
+    std::rethrow_exception(frame.failure);
   shade(frame);
 }
 

@@ -39,7 +39,7 @@ void validate_ray(const Lane& lane, const TraceRayArguments& arguments, uint32_t
       RAY_FLAG_FORCE_OPAQUE | RAY_FLAG_FORCE_NON_OPAQUE | RAY_FLAG_CULL_OPAQUE | RAY_FLAG_CULL_NON_OPAQUE;
   const uint flags = arguments.flags | pipeline_flags;
   const bool skips_triangles = flags & RAY_FLAG_SKIP_TRIANGLES;
-  validate_extents(lane, arguments.ray);
+  validate_extents(lane, arguments.desc);
   report_if(lane, (flags & cull_facing) == cull_facing, "RF-10", "both facing culls are set; every triangle is culled");
   report_if(lane, std::popcount(flags & opacity) > 1, "RF-12",
             "more than one of FORCE_OPAQUE, FORCE_NON_OPAQUE, CULL_OPAQUE, CULL_NON_OPAQUE is set; forces apply before "

@@ -1,4 +1,5 @@
-#include <rayloom/runtime/grid_order.h>
+#include <rayloom/base/float_modes.h>
+#include <rayloom/runtime/run_shader.h>
 #include <rayloom/runtime/warp.h>
 
 #include <algorithm>
@@ -9,26 +10,7 @@
 namespace rayloom::detail {
 namespace {
 
-/// The C++ runtime keeps the exceptions a thread is handling in 16 bytes (Itanium C++ ABI 2.2.2). Each lane gets its
-/// own, so that a shader may trace inside a catch block.
-class ExceptionStateScope {
- public:
-  explicit ExceptionStateScope(Lane& lane) : lane_(lane) {
-    std::memcpy(outer_, state(), sizeof(outer_));
-    std::memcpy(state(), lane.exception_state, sizeof(outer_));
-  }
-  ~ExceptionStateScope() {
-    std::memcpy(lane_.exception_state, state(), sizeof(outer_));
-    std::memcpy(state(), outer_, sizeof(outer_));
-  }
-  ExceptionStateScope(const ExceptionStateScope&) = delete;
-  ExceptionStateScope& operator=(const ExceptionStateScope&) = delete;
-
- private:
-  static void* state() { return abi::__cxa_get_globals(); }
-  Lane& lane_;
-  uint64_t outer_[2];
-};
+uint64_t* thread_exception_state() { return reinterpret_cast<uint64_t*>(abi::__cxa_get_globals()); }
 
 /// Lowest usable address of this thread's own stack.
 uintptr_t thread_stack_limit() {
@@ -45,16 +27,17 @@ uintptr_t thread_stack_limit() {
 }
 
 void run_ray_generation(Lane& lane) {
-  const GPU_VIRTUAL_ADDRESS_RANGE& range = lane.dispatch().desc().RayGenerationShaderRecord;
-  const SelectedRecord selected =
-      select_record(lane, {range.StartAddress, range.SizeInBytes, 0}, 0, ExportKind::ray_generation);
+  const RecordTable& table = lane.dispatch().ray_generation;
+  const SelectedRecord selected = select_record(lane, table, 0);
   if (!selected.target) return;
-  Invocation invocation{&lane, nullptr, nullptr, 0, selected.record};
+  Invocation invocation{&lane, nullptr, nullptr, 0, {&table, selected.address}};
   run_shader(invocation, selected.target->index, nullptr, nullptr);
 }
 
 /// A lane from beginning to end; nothing is thrown out of it.
 void run_lane(Lane& lane) {
+  if (!(FloatModes::current() == FloatModes::fixed())) [[unlikely]]
+    FloatModes::fixed().set();  // the lane before has left others
   try {
     run_ray_generation(lane);
   } catch (...) {
@@ -62,124 +45,141 @@ void run_lane(Lane& lane) {
   }
 }
 
-void fiber_entry(void* argument) {
-  Lane& lane = *static_cast<Lane*>(argument);
-  const auto top = reinterpret_cast<uintptr_t>(__builtin_frame_address(0));
-  constexpr uintptr_t used_above = 4096;
-  lane.stack_limit = top - (lane.dispatch().fiber_stack_bytes - used_above);
-  run_lane(lane);
+TraceCall call_of(const RayFrame& frame, const accel::TraceRequest& request) {
+  return {frame.lane->number, frame.scene ? frame.arguments->structure : 0, frame.payload_type.bytes, request, {}};
 }
 
 }  // namespace
 
-Warp::Warp(const DispatchContext& dispatch, WarpTracer& tracer, WarpWorkspace& workspace, uint64_t first_lane,
-           uint32_t lane_count)
-    : dispatch_(dispatch), tracer_(tracer), workspace_(workspace) {
-  workspace_.lanes.clear();
-  workspace_.lanes.resize(lane_count);
-  for (uint32_t i = 0; i < lane_count; ++i) start_lane(workspace_.lanes[i], first_lane + i, i);
+Warp::Warp(const DispatchContext& dispatch)
+    : dispatch_(dispatch),
+      grid_(dispatch.desc().Width, dispatch.desc().Height, 0),
+      lanes_(dispatch.warp_size),
+      waiting_(dispatch.warp_size),
+      requests_(dispatch.warp_size),
+      hits_(dispatch.warp_size) {
+  const DISPATCH_RAYS_DESC& desc = dispatch.desc();
+  for (uint32_t i = 0; i < dispatch.warp_size; ++i) {
+    Lane& lane = lanes_[i];
+    lane.dimensions = {desc.Width, desc.Height, desc.Depth};
+    lane.warp = this;
+    lane.context = &dispatch;
+    lane.counts = &statistics_;
+    lane.number = i;
+    if (dispatch.mode == ExecutionMode::direct) continue;
+    fibers_.emplace_back(static_cast<size_t>(dispatch.fiber_stack_bytes), i);
+    fibers_.back().start(fiber_entry, this);
+  }
 }
 
-void Warp::start_lane(Lane& lane, uint64_t linear_index, uint32_t number) {
-  const DISPATCH_RAYS_DESC& desc = dispatch_.desc();
-  const GridIndex at = grid_index(desc.Width, desc.Height, linear_index);
-  lane.index = {at.x, at.y, at.z};
-  lane.dimensions = {desc.Width, desc.Height, desc.Depth};
-  lane.warp = this;
-  lane.linear_index = linear_index;
-  lane.number = number;
-  lane.observer = {&tracer_, number};
-}
-
-void Warp::run() {
+void Warp::run(WarpTracer* tracer, uint64_t first_lane, uint32_t lane_count) {
+  tracer_ = tracer;
+  first_lane_ = first_lane;
+  lane_count_ = lane_count;
+  observer_ = &shader_memory.observer;
+  begun_ = fibers_used_ = waiting_count_ = traced_ = resumed_ = 0;
+  grid_ = GridWalk(dispatch_.desc().Width, dispatch_.desc().Height, first_lane);
   dispatch_.mode == ExecutionMode::warp ? run_on_fibers() : run_directly();
-  for (const Lane& lane : workspace_.lanes)
-    if (lane.failure) std::rethrow_exception(lane.failure);
+  std::exception_ptr failure;
+  for (Lane& lane : lanes_) {
+    if (!lane.failure) [[likely]]
+      continue;
+    if (!failure) failure = lane.failure;
+    lane.failure = nullptr;
+  }
+  if (failure) std::rethrow_exception(failure);
+}
+
+/// The next lane that has not begun, ready to run; null when all have.
+inline Lane* Warp::begin_lane() {
+  if (begun_ == lane_count_) return nullptr;
+  Lane& lane = lanes_[begun_];
+  const GridIndex& at = *grid_;
+  lane.index = {at.x, at.y, at.z};
+  lane.linear_index = first_lane_ + begun_;
+  lane.observer = {tracer_, begun_};
+  ++begun_;
+  ++grid_;
+  return &lane;
 }
 
 void Warp::run_directly() {
   thread_local const uintptr_t limit = thread_stack_limit();
-  for (Lane& lane : workspace_.lanes) {
-    lane.stack_limit = limit;
-    if (dispatch_.observed) shader_memory.observer = &lane.observer;
-    run_lane(lane);
-    shader_memory.observer = nullptr;
+  while (Lane* const lane = begin_lane()) {
+    lane->stack_limit = limit;
+    enter(*lane);
+    run_lane(*lane);
+  }
+  *observer_ = nullptr;
+}
+
+/// A fiber begins lanes until one of them waits, and goes on to begin others, of this or a later warp, when it is free.
+void Warp::fiber_entry(void* argument) {
+  Warp& warp = *static_cast<Warp*>(argument);
+  Fiber& fiber = warp.fibers_[warp.fibers_used_ - 1];
+  const auto top = reinterpret_cast<uintptr_t>(__builtin_frame_address(0));
+  constexpr uintptr_t used_above = 4096;
+  const uintptr_t limit = top - (warp.dispatch_.fiber_stack_bytes - used_above);
+  for (;;) {
+    while (Lane* const lane = warp.begin_lane()) {
+      lane->fiber = &fiber;
+      lane->stack_limit = limit;
+      warp.enter(*lane);
+      run_lane(*lane);
+    }
+    warp.give_turn(fiber);
   }
 }
 
 void Warp::run_on_fibers() {
-  while (workspace_.fibers.size() < workspace_.lanes.size())
-    workspace_.fibers.emplace_back(static_cast<size_t>(dispatch_.fiber_stack_bytes));
-  for (Lane& lane : workspace_.lanes) {
-    lane.fiber = &workspace_.fibers[lane.number];
-    lane.fiber->start(fiber_entry, &lane);
-    resume(lane);
+  uint64_t outer_exceptions[2];
+  exception_state_ = thread_exception_state();
+  move_exception_state(exception_state_, outer_exceptions);
+  while (Fiber* const fiber = next_fiber()) {
+    fiber->resume();
+    *observer_ = nullptr;
+    if (waiting_count_ != 0) trace_waiting();
   }
-  for (;;) {
-    workspace_.waiting.clear();
-    for (Lane& lane : workspace_.lanes)
-      if (lane.pending) workspace_.waiting.push_back(&lane);
-    if (workspace_.waiting.empty()) return;
-    trace_waiting();
-    for (Lane* lane : workspace_.waiting) {
-      lane->pending = nullptr;
-      resume(*lane);
-    }
-  }
+  move_exception_state(outer_exceptions, exception_state_);
 }
 
-void Warp::resume(Lane& lane) {
-  if (dispatch_.observed) shader_memory.observer = &lane.observer;
-  {
-    const ExceptionStateScope exceptions(lane);
-    lane.fiber->resume();
-  }
-  shader_memory.observer = nullptr;
-}
-
-TraceCall Warp::make_call(const Lane& lane, RayFrame& frame) const {
-  TraceCall call;
-  call.lane = lane.number;
-  call.structure_address = frame.scene ? frame.arguments->structure : 0;
-  call.payload_bytes = frame.payload_type.bytes;
-  std::memcpy(&call.request.ray, &frame.desc, sizeof(call.request.ray));
-  call.request.structure = frame.scene ? frame.scene->block : nullptr;
-  call.request.ray_flags = frame.traversal_flags;
-  call.request.instance_mask = frame.arguments->instance_mask & 0xFFu;
-  call.request.candidate = dispatch_.pipeline.decides_candidates ? decide_candidate : nullptr;
-  call.request.user = &frame;
-  return call;
-}
-
+/// Traces the gathered frames; their lanes are next to run.
 void Warp::trace_waiting() {
-  workspace_.calls.clear();
-  for (const Lane* lane : workspace_.waiting) workspace_.calls.push_back(make_call(*lane, *lane->pending));
+  traced_ = std::exchange(waiting_count_, 0);
+  resumed_ = 0;
   try {
-    tracer_.trace(workspace_.calls);
+    if (tracer_) return trace_by_tracer(traced_);
+    accel::trace(dispatch_.memory.addresses(), {requests_.data(), traced_}, {hits_.data(), traced_});
   } catch (...) {
     // The lanes are suspended inside their shaders: each must be told, to unwind on its own stack.
-    for (Lane* lane : workspace_.waiting) lane->pending->failure = std::current_exception();
+    for (uint32_t i = 0; i < traced_; ++i) waiting_[i]->failure = std::current_exception();
   }
-  for (size_t i = 0; i < workspace_.calls.size(); ++i) workspace_.waiting[i]->pending->hit = workspace_.calls[i].hit;
 }
 
-void Warp::trace(Lane& lane, RayFrame& frame) {
-  if (lane.fiber) {
-    lane.pending = &frame;
-    lane.fiber->yield();
+void Warp::trace_by_tracer(size_t count) {
+  calls_.clear();
+  for (size_t i = 0; i < count; ++i) calls_.push_back(call_of(*waiting_[i], requests_[i]));
+  tracer_->trace(calls_);
+  for (size_t i = 0; i < count; ++i) hits_[i] = calls_[i].hit;
+}
+
+/// Direct mode.
+void Warp::trace_now(RayFrame& frame) {
+  accel::TraceRequest& request = requests_[0];
+  fill_request(request, frame);
+  frame.hit = &hits_[0];
+  if (!tracer_) {
+    hits_[0] = accel::trace(dispatch_.memory.addresses(), request);
   } else {
-    TraceCall call = make_call(lane, frame);
-    tracer_.trace({&call, 1});
-    frame.hit = call.hit;
+    TraceCall call = call_of(frame, request);
+    tracer_->trace({&call, 1});
+    hits_[0] = call.hit;
   }
 }
 
-const TopLevel& Warp::find_structure(uint64_t address) {
-  if (address != last_address_) {
-    last_structure_ = &dispatch_.structures.find(address);
-    last_address_ = address;
-  }
-  return *last_structure_;
+void Warp::change_structure(uint64_t address) {
+  structure_ = &dispatch_.structures.find(address);
+  structure_address_ = address;
 }
 
 }  // namespace rayloom::detail

@@ -169,6 +169,20 @@ TEST_CASE("grid_index visits every thread once, in tiles") {
   CHECK((last_of_first.x == 7 && last_of_first.y == 3));
 }
 
+TEST_CASE("GridWalk goes where grid_index says, from any start") {
+  for (const auto& [w, h, d] : {std::tuple(1u, 1u, 1u), std::tuple(8u, 4u, 1u), std::tuple(13u, 7u, 2u),
+                                std::tuple(100u, 1u, 1u), std::tuple(1u, 100u, 2u), std::tuple(9u, 5u, 3u)})
+    for (uint64_t start = 0; start < uint64_t{w} * h * d; start += 7) {
+      GridWalk walk(w, h, start);
+      bool same = true;
+      for (uint64_t i = start; i < uint64_t{w} * h * d; ++i, ++walk) {
+        const GridIndex at = grid_index(w, h, i);
+        same = same && at.x == (*walk).x && at.y == (*walk).y && at.z == (*walk).z;
+      }
+      CHECK(same);
+    }
+}
+
 namespace {
 
 struct Counted {
