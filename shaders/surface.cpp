@@ -90,7 +90,7 @@ Surface triangle_surface(const TriangleRecord& record, uint32_t primitive, float
                                         vertex<float3>(record.positions, record.vertex_count, v.z)};
   Surface surface;
   surface.front = front;
-  surface.spawn = triangle_spawn_point(positions, b, instance.object_to_world, instance.world_to_object);
+  surface.spawn = triangle_spawn_point(positions, b, instance.object_to_world);
   const float3 front_normal(surface.spawn.normal);
   surface.shading_normal = front_normal;
   if (record.normals)
@@ -110,8 +110,7 @@ Surface triangle_surface(const TriangleRecord& record, uint32_t primitive, float
 Surface sphere_surface(const scenes::Sphere& sphere, double3 object_point, bool front, const HitInstance& instance) {
   Surface surface;
   surface.front = front;
-  surface.spawn = sphere_spawn_point(sphere.center, sphere.radius, object_point, instance.object_to_world,
-                                     instance.world_to_object);
+  surface.spawn = sphere_spawn_point(sphere.center, sphere.radius, object_point, instance.object_to_world);
   surface.geometric_normal = float3(front ? surface.spawn.normal : -surface.spawn.normal);
   surface.shading_normal = surface.geometric_normal;
   surface.tangent = float3(0), surface.bitangent_sign = 0;

@@ -20,6 +20,7 @@ struct OcclusionPayload {
   float3 origin;
   uint32_t hit;
   float3 normal;  ///< geometric, on the viewer's side
+  float grazing;  ///< SpawnPoint::grazing
 
   uint64_t path_key() const { return key; }
 };
@@ -41,7 +42,9 @@ struct OcclusionRayGeneration {
     payload.key = sampler.path_key();
     ctx.TraceRay(scene.structure, RAY_FLAG_NONE, 0xFF, 0, scene.ray_types, 0, ray, payload);
     if (!payload.hit) return sums.add(float3(1), 0);
-    const float3 direction = make_frame(payload.normal).to_world(cosine_hemisphere(sampler.next_2d()));
+    float3 local = cosine_hemisphere(sampler.next_2d());
+    local.z = std::fmax(local.z, payload.grazing);
+    const float3 direction = make_frame(payload.normal).to_world(local);
     const bool open = visible(ctx, scene, {payload.origin, 0, direction, distance}, sampler.path_key());
     sums.add(float3(open ? 1.0f : 0.0f), 1);
   }
@@ -50,6 +53,7 @@ struct OcclusionRayGeneration {
 inline void fill_occlusion(const Surface& surface, OcclusionPayload& payload) {
   payload.origin = surface.spawn.origin(surface.front);
   payload.normal = surface.geometric_normal;
+  payload.grazing = static_cast<float>(surface.spawn.grazing);
   payload.hit = 1;
 }
 

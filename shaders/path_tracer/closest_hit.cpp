@@ -2,10 +2,13 @@
 #include <rayloom/shaders/lights.h>
 #include <rayloom/shaders/path_tracer/closest_hit.h>
 
+#include <algorithm>
+
 namespace rayloom::shaders {
 namespace {
 
-/// Directions closer to the surface's plane than this carry less than a millionth and may meet it again (spawn.h).
+/// Directions closer to the surface's plane than this carry less than a millionth; those below SpawnPoint::grazing may
+/// meet it again.
 constexpr float edge_on = 1e-6f;
 
 float3 emitted_towards_ray(const ClosestHitContext& ctx, const PathTracerSettings& settings, const PathVertex& vertex,
@@ -28,8 +31,9 @@ struct ShadingPoint {
   Frame frame;
   float3 wo;
   float3 geometric_normal;
+  float least_cosine;
 
-  bool may_leave(float3 direction) const { return glm::dot(direction, geometric_normal) > edge_on; }
+  bool may_leave(float3 direction) const { return glm::dot(direction, geometric_normal) > least_cosine; }
 };
 
 ShadingPoint make_shading_point(const ClosestHitContext& ctx, const PathTracerSettings& settings,
@@ -41,6 +45,7 @@ ShadingPoint make_shading_point(const ClosestHitContext& ctx, const PathTracerSe
   shading.frame = make_frame(shading_normal(materials, vertex.material, vertex.core, vertex.surface, to_viewer));
   shading.wo = shading.frame.to_local(to_viewer);
   shading.geometric_normal = vertex.surface.geometric_normal;
+  shading.least_cosine = std::max(edge_on, static_cast<float>(vertex.surface.spawn.grazing));
   shading.bsdf = with_specular_chance(
       metallic_roughness(point.base_color, point.metallic, point.roughness, settings.dielectric_specular), shading.wo);
   return shading;

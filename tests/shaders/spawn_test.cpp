@@ -17,7 +17,7 @@ namespace {
 /// A bottom level of one triangle under one transformed instance, traced through accel as DispatchRays would.
 struct TracedTriangle {
   std::array<float3, 3> vertices;
-  float3x4 object_to_world, world_to_object;
+  float3x4 object_to_world;
   std::vector<std::byte> bottom_storage, top_storage;
   std::byte* top = nullptr;
 
@@ -36,7 +36,6 @@ struct TracedTriangle {
     const uint64_t top_bytes = accel::top_level_sizes(1, 0).result_bytes;
     top = aligned(top_storage, top_bytes);
     accel::build_top_level(std::span(&desc, 1), {}, 0, {top, top_bytes});
-    invert();
   }
 
   bool hit(float3 origin, float3 direction) const {
@@ -48,9 +47,7 @@ struct TracedTriangle {
     return static_cast<bool>(accel::trace({}, request));
   }
 
-  SpawnPoint spawn(float2 barycentrics) const {
-    return triangle_spawn_point(vertices, barycentrics, object_to_world, world_to_object);
-  }
+  SpawnPoint spawn(float2 barycentrics) const { return triangle_spawn_point(vertices, barycentrics, object_to_world); }
 
  private:
   static std::byte* aligned(std::vector<std::byte>& storage, uint64_t bytes) {
@@ -58,13 +55,6 @@ struct TracedTriangle {
     const auto address = reinterpret_cast<uintptr_t>(storage.data());
     return storage.data() +
            (accel::structure_alignment - address % accel::structure_alignment) % accel::structure_alignment;
-  }
-  /// As the context's WorldToObject3x4: the inverse in double, rounded.
-  void invert() {
-    const glm::dvec4 x(object_to_world[0]), y(object_to_world[1]), z(object_to_world[2]);
-    const glm::dmat4 inverse = glm::inverse(glm::transpose(glm::dmat4(x, y, z, glm::dvec4(0, 0, 0, 1))));
-    for (int r = 0; r < 3; ++r)
-      for (int c = 0; c < 4; ++c) world_to_object[r][c] = static_cast<float>(inverse[c][r]);
   }
 };
 
@@ -142,7 +132,7 @@ TEST_CASE("the offset is small: at most 20 ulp of the largest coordinate where o
   for (uint32_t i = 0; i < 2000; ++i) {
     const float3 at = 1000.0f * cube(Sampler({i, 0}, 0, 3));
     const std::array<float3, 3> v{at, at + cube(Sampler({i, 1}, 0, 3)), at + cube(Sampler({i, 2}, 0, 3))};
-    const SpawnPoint spawn = triangle_spawn_point(v, {0.3f, 0.3f}, identity, identity);
+    const SpawnPoint spawn = triangle_spawn_point(v, {0.3f, 0.3f}, identity);
     const double reach = std::max({std::abs(spawn.position.x), std::abs(spawn.position.y), std::abs(spawn.position.z)});
     CHECK(spawn.offset < 20 * reach * 0x1p-23);
   }
@@ -157,7 +147,7 @@ TEST_CASE("rays that leave a sphere never meet it: 200,000 rays") {
       const scenes::Sphere sphere{distance * cube(sampler), 0.01f + sampler.next_2d().x};
       const double3 normal(uniform_sphere(sampler.next_2d()));
       const SpawnPoint spawn =
-          sphere_spawn_point(sphere.center, sphere.radius, double3(sphere.center) + normal, identity, identity);
+          sphere_spawn_point(sphere.center, sphere.radius, double3(sphere.center) + normal, identity);
       const float3 away = make_frame(float3(spawn.normal)).to_world(cosine_hemisphere(sampler.next_2d()));
       const auto crossings = intersect_sphere(sphere, spawn.origin(true), away);
       outside += crossings && crossings->leave >= 0;
