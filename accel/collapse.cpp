@@ -83,9 +83,9 @@ ChildList Collapse::children(uint32_t slot) const {
   ChildList list = planned(slot);
   absorb(list);
   const auto before = [&](uint32_t a, uint32_t b) {
-    if (tree_[a].is_leaf() != tree_[b].is_leaf()) return tree_[a].is_leaf();
+    if (tree_[a].is_leaf() != tree_[b].is_leaf()) return tree_[b].is_leaf();
     const double x = tree_[a].box.half_area(), y = tree_[b].box.half_area();
-    return x != y ? x > y : a < b;
+    return x != y ? x < y : a < b;
   };
   std::sort(list.slot.begin(), list.slot.begin() + list.count, before);
   return list;

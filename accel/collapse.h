@@ -22,8 +22,8 @@ class Collapse {
  public:
   explicit Collapse(const BinaryTree& tree);
 
-  /// Children of the wide node made from the inner binary node `slot`: leaves before inner nodes, then by falling area,
-  /// which is the order in which any-hit rays visit them. A child is never left standing that would fit into its
+  /// Children of the wide node made from the inner binary node `slot`: inner nodes before leaves, then by rising area;
+  /// any-hit rays visit them from the last to the first. A child is never left standing that would fit into its
   /// parent; node_bound() in sizes.h counts on that.
   ChildList children(uint32_t slot) const;
 

@@ -31,6 +31,7 @@ struct InstanceRules {
   bool swap_facing;
   bool culled_facing[2];  ///< by "is front"
 
+  InstanceRules() = default;
   InstanceRules(uint32_t index, uint32_t instance_flags, uint32_t ray_flags, const std::byte* record)
       : instance_index(index), instance(record) {
     for (const bool opaque : {false, true}) outcome[opaque] = resolve_opacity(opaque, instance_flags, ray_flags);

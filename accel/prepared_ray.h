@@ -14,26 +14,27 @@ namespace rayloom::accel {
 /// A ray made ready for one structure. Plane distances are in *box space*: t times box_scale, a power of two of this
 /// ray, so distances of rays prepared for different structures (a world ray and its copy in an instance) must not be
 /// compared; convert limits with near_limit() and far_limit().
-struct PreparedRay {
-  float origin[3];
-  float direction[3];
-  float t_min, t_max;  ///< as given
-
-  // Boxes: entry = fma(plane[near_side], reciprocal, near_offset), exit = fma(plane[1 - near_side], reciprocal,
-  // far_offset), per axis. Finite for every ray, so the infinite planes of empty slots never pass.
-  float reciprocal[3];
-  float near_offset[3], far_offset[3];
-  uint32_t near_side[3];  ///< 0 minimum plane, 1 maximum plane
-  double box_scale;
-
+struct alignas(64) PreparedRay : Ray {
   // Triangles: axis[2] is the axis of the largest direction component (the lowest of equals), axis[0] and axis[1]
   // follow it cyclically; x' = x - shear[0] * z, y' = y - shear[1] * z looks along the ray.
   uint32_t axis[3];
+  float ordered_origin[3];  ///< origin[axis[i]]
+  float shear[2];           ///< shear_double rounded to float
+
+  // Boxes: entry = fma(near plane, reciprocal, near_offset), exit = fma(far plane, reciprocal, far_offset), per axis.
+  // Finite for every ray, so the infinite planes of empty slots never pass. Fourth elements are there for vector
+  // stores.
+  float reciprocal[4];
+  float near_offset[4], far_offset[4];
+  uint32_t near_row[4];  ///< first of the eight floats of the near planes in bounds[axis][side][lane]
+
   double inverse_z;        ///< 1 / direction[axis[2]]
   double shear_double[2];  ///< direction[axis[i]] * inverse_z
-  float shear[2];          ///< the same, rounded to float
+  double box_scale;
 
   bool valid;  ///< false: the ray misses everything (TR-17, TR-18) and the other members mean nothing
+
+  uint32_t far_row(int k) const { return near_row[k] ^ 8; }
 
   /// Lower end of the interval in box space, never above t * box_scale.
   float near_limit(float t) const {

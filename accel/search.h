@@ -33,9 +33,10 @@ enum class Offer : uint8_t { rejected, committed, ended };
 
 class Search {
  public:
-  explicit Search(const TraceRequest& request) : request_(request) { hit_.t = request.ray.t_max; }
+  Search() = default;  ///< of nothing, to be assigned to
+  explicit Search(const TraceRequest& request) : request_(&request) { hit_.t = request.ray.t_max; }
 
-  const TraceRequest& request() const { return request_; }
+  const TraceRequest& request() const { return *request_; }
   const Hit& hit() const { return hit_; }
   float t() const { return hit_.t; }
 
@@ -50,7 +51,7 @@ class Search {
     if (rules.culled_facing[front] || outcome == Outcome::cull) return Offer::rejected;
     const uint32_t kind = front ? hit_kind_triangle_front_face : hit_kind_triangle_back_face;
     const Hit found{hit.t, hit.u, hit.v, name.instance, name.geometry, name.primitive, kind, HitType::triangle};
-    if (outcome == Outcome::commit || !request_.candidate) return commit(found);
+    if (outcome == Outcome::commit || !request_->candidate) return commit(found);
     const Verdict verdict = ask(found, rules, false, false, visitor);
     if (verdict.commit) commit(found);
     return after(verdict.commit, verdict.end_search);
@@ -65,7 +66,7 @@ class Search {
     const bool wins_ties = procedural_wins_tie(hit_, name);
     Hit found{0, 0, 0, name.instance, name.geometry, name.primitive, 0, HitType::procedural};
     const Verdict verdict = ask(found, rules, outcome == Outcome::commit, wins_ties, visitor);
-    const bool in_range = verdict.t >= request_.ray.t_min && (wins_ties ? verdict.t <= hit_.t : verdict.t < hit_.t);
+    const bool in_range = verdict.t >= request_->ray.t_min && (wins_ties ? verdict.t <= hit_.t : verdict.t < hit_.t);
     const bool commits = verdict.commit && in_range;
     if (commits) {
       found.t = verdict.t;
@@ -90,7 +91,7 @@ class Search {
                               hit_.t,
                               wins_ties,
                               rules.instance};
-    const Verdict verdict = request_.candidate(request_.user, candidate);
+    const Verdict verdict = request_->candidate(request_->user, candidate);
     visitor.on_candidate(candidate, verdict);
     return verdict;
   }
@@ -101,12 +102,12 @@ class Search {
   }
 
   Offer after(bool committed, bool end_search) const {
-    const bool first_ends = request_.ray_flags & ray_flag::accept_first_hit_and_end_search;
+    const bool first_ends = request_->ray_flags & ray_flag::accept_first_hit_and_end_search;
     if (end_search || (committed && first_ends)) return Offer::ended;
     return committed ? Offer::committed : Offer::rejected;
   }
 
-  const TraceRequest& request_;
+  const TraceRequest* request_ = nullptr;
   Hit hit_;
 };
 

@@ -6,31 +6,44 @@
 
 namespace rayloom::accel {
 
-/// Nodes and leaves still to visit, the next one on top. No tree is deep enough to overflow it (max_depth).
+/// Nodes and leaves still to visit, the next one on top. No tree is deep enough to overflow it (max_depth). References
+/// and distances lie apart, so that a vector of each can be stored above the top and made part of the stack by grow().
 class TraversalStack {
  public:
   struct Entry {
     uint32_t ref;
     float near;  ///< where the ray enters the box
   };
+  static constexpr uint32_t lanes = 8;  ///< what may be stored above the top at once
 
   bool empty() const { return size_ == 0; }
-  Entry pop() { return entries_[--size_]; }
+  uint32_t size() const { return size_; }
+  Entry pop() {
+    --size_;
+    return {refs_[size_], nears_[size_]};
+  }
+  uint32_t pop_ref() { return refs_[--size_]; }
   void push(uint32_t ref, float near) {
     assert(size_ < stack_entries);
-    entries_[size_++] = {ref, near};
+    refs_[size_] = ref;
+    nears_[size_++] = near;
   }
 
-  /// Writes entry `i` above the top, which grow() makes part of the stack.
-  void place(uint32_t i, Entry entry) {
-    assert(size_ + i < stack_entries);
-    entries_[size_ + i] = entry;
+  uint32_t* free_refs() { return refs_ + size_; }
+  float* free_nears() { return nears_ + size_; }
+  void grow(uint32_t count) {
+    size_ += count;
+    assert(size_ <= stack_entries);
   }
-  void grow(uint32_t count) { size_ += count; }
+
+  uint32_t* refs() { return refs_; }
+  float* nears() { return nears_; }
+  void resize(uint32_t size) { size_ = size; }
 
  private:
   uint32_t size_ = 0;
-  Entry entries_[stack_entries];
+  uint32_t refs_[stack_entries + lanes];
+  float nears_[stack_entries + lanes];
 };
 
 }  // namespace rayloom::accel

@@ -24,11 +24,12 @@
 #include <utility>
 
 #ifdef HWY_TARGET_INCLUDE
-#include <rayloom/accel/simd/lanes-inl.h>
+#include <rayloom/accel/simd/children-inl.h>
+#include <rayloom/accel/simd/prepare-inl.h>
 HWY_BEFORE_NAMESPACE();
 #define RAYLOOM_LANES HWY_NAMESPACE
 #else
-#include <rayloom/accel/simd/lanes_scalar.h>
+#include <rayloom/accel/simd/children_scalar.h>
 #define RAYLOOM_LANES scalar
 #endif
 
@@ -38,96 +39,110 @@ namespace rayloom::accel::RAYLOOM_LANES {
 
 /// A structure as one ray sees it. Distances are in the box space of this level's prepared ray.
 struct Level {
+  Level() = default;
   /// pad_scale: see prepare_ray(). Nothing may be traced if ray.valid is false.
-  Level(const std::byte* structure, const Ray& unprepared, float pad_scale, const Search& search)
-      : block(structure),
-        ray(prepare_ray(unprepared, header().bounds_min, header().bounds_max, pad_scale)),
-        lanes(ray),
-        t_near(ray.near_limit(ray.t_min)) {
+  Level(const std::byte* structure, const Ray& unprepared, float pad_scale, const Search& search) : block(structure) {
+    prepare_lanes(unprepared, header(), pad_scale, ray);
+    if (!ray.valid) return;
+    t_near = ray.near_limit(ray.t_min);
     shorten(search);
   }
   void shorten(const Search& search) { t_far = ray.far_limit(search.t()); }
   const StructureHeader& header() const { return header_of(block); }
+  const Node8& node(uint32_t ref) const { return *reinterpret_cast<const Node8*>(block + node_ref::offset(ref)); }
 
+  PreparedRay ray;
   const std::byte* block;
-  const PreparedRay ray;
-  const RayLanes lanes;
   float t_near, t_far;
 };
 
 using Child = TraversalStack::Entry;
 
-/// Stacks all children of `mask` but the first, which it returns: each goes straight to the place that its rank gives.
-[[gnu::always_inline]] inline Child rank_children(const Node8& node, uint32_t mask, const float (&near)[8],
-                                                  bool in_order, Prefetch prefetch, TraversalStack& stack) {
-  const auto others = static_cast<uint32_t>(std::popcount(mask)) - 1;
-  Child first{};
-  for (uint32_t left = mask; left != 0; left &= left - 1) {
-    const int lane = std::countr_zero(left);
-    const Child child{node.child[lane], near[lane]};
-    prefetch(child.ref);
-    const uint32_t before = mask & (in_order ? (1u << lane) - 1 : lanes_before(near, lane));
-    if (before == 0) first = child;
-    stack.place(others - static_cast<uint32_t>(std::popcount(before)), child);
-  }
-  stack.grow(others);
-  return first;
+/// The order in which a ray visits children: promising first for rays that take any hit, else nearest first.
+enum class Order : uint8_t { stored, distance };
+
+template <Order order>
+[[gnu::always_inline]] inline void push_children(const NodeHits& hits, const Node8& node, TraversalStack& stack) {
+  if constexpr (order == Order::stored)
+    push_in_order(hits, node, stack);
+  else
+    push_by_distance(hits, node, stack);
 }
 
-/// The child to visit next of those that the ray meets, at least one; the others go on the stack. Nearest first, equals
-/// by lane; in stored order for rays that take any hit, for which Collapse has put the most promising child first.
-[[gnu::always_inline]] inline Child first_child(const Node8& node, uint32_t mask, const float (&near)[8], bool in_order,
+[[gnu::always_inline]] inline void prefetch_children(uint32_t mask, const Node8& node, Prefetch prefetch) {
+  for (uint32_t left = mask; left != 0; left &= left - 1) prefetch(node.child[std::countr_zero(left)]);
+}
+
+/// The child to visit next of those that the ray meets, at least one; the others go on the stack. What push_children()
+/// and a pop do, without the stack for one child and without sorting for two.
+template <Order order>
+[[gnu::always_inline]] inline Child first_child(const NodeHits& hits, const Node8& node, const float (&near)[8],
                                                 Prefetch prefetch, TraversalStack& stack) {
-  const int lane = std::countr_zero(mask);
+  if (hits.mask == 0) __builtin_unreachable();
+  prefetch_children(hits.mask, node, prefetch);
+  const int lane = std::countr_zero(hits.mask);
   Child first{node.child[lane], near[lane]};
-  const uint32_t others = mask & (mask - 1);
-  if ((others & (others - 1)) != 0) return rank_children(node, mask, near, in_order, prefetch, stack);
-  prefetch(first.ref);
+  const uint32_t others = hits.mask & (hits.mask - 1);
   if (others == 0) return first;
+  if ((others & (others - 1)) != 0) {
+    push_children<order>(hits, node, stack);
+    return stack.pop();
+  }
   const int other_lane = std::countr_zero(others);
   Child second{node.child[other_lane], near[other_lane]};
-  prefetch(second.ref);
-  if (!in_order && second.near < first.near) std::swap(first, second);
+  if (order == Order::stored || second.near < first.near) std::swap(first, second);
   stack.push(second.ref, second.near);
   return first;
 }
 
 /// From `ref` down through first children, to a leaf. False where a node has no child that the ray meets.
-template <class Visitor>
-[[gnu::always_inline]] inline bool descend(const Level& level, bool in_order, uint32_t& ref, TraversalStack& stack,
-                                           Visitor& visitor) {
+template <Order order, class Visitor>
+[[gnu::always_inline]] inline bool descend(const Level& level, const BoxLanes& lanes, uint32_t& ref,
+                                           TraversalStack& stack, Visitor& visitor) {
   while (!node_ref::is_leaf(ref)) {
-    const auto* node = reinterpret_cast<const Node8*>(level.block + node_ref::offset(ref));
+    const Node8& node = level.node(ref);
+    const NodeHits hits = test_node(lanes, node, level.t_near, level.t_far);
     alignas(32) float near[8];
-    const uint32_t mask = test_node(level.lanes, *node, level.t_near, level.t_far, near);
-    visitor.on_node(node, mask, near);
-    if (mask == 0) return false;
-    const Child next = first_child(*node, mask, near, in_order, Prefetch{level.block}, stack);
+    hits.store_near(near);
+    visitor.on_node(&node, hits.mask, near);
+    if (hits.mask == 0) return false;
+    const Child next = first_child<order>(hits, node, near, Prefetch{level.block}, stack);
     ref = next.ref;
     visitor.on_pop(ref, next.near, false);
   }
   return true;
 }
 
-/// Depth first over one structure. `leaves.visit(level, address, search, visitor)` tests a leaf. True: search ended.
-template <class Leaves, class Visitor>
+/// Depth first over one structure. `leaves.visit(level, lanes, address, search, visitor)` tests a leaf. True: search
+/// ended.
+template <Order order, class Leaves, class Visitor>
 bool traverse_level(Level& level, const Leaves& leaves, Search& search, Visitor& visitor) {
-  const bool in_order = search.request().ray_flags & ray_flag::accept_first_hit_and_end_search;
+  const BoxLanes boxes(level.ray);
+  const typename Leaves::Lanes lanes(level.ray);
   TraversalStack stack;
   stack.push(level.header().root, level.t_near);
   while (!stack.empty()) {
     auto [ref, near] = stack.pop();
-    const bool culled = near > level.t_far;
+    const bool culled = order == Order::distance && near > level.t_far;
     visitor.on_pop(ref, near, culled);
-    if (culled || !descend(level, in_order, ref, stack, visitor)) continue;
-    const Offer offer = leaves.visit(level, level.block + node_ref::offset(ref), search, visitor);
+    if (culled || !descend<order>(level, boxes, ref, stack, visitor)) continue;
+    const Offer offer = leaves.visit(level, lanes, level.block + node_ref::offset(ref), search, visitor);
     if (offer == Offer::ended) return true;
     if (offer == Offer::committed) level.shorten(search);
   }
   return false;
 }
 
+/// The same with the order that the ray's flags ask for.
+template <class Leaves, class Visitor>
+bool traverse_ordered(Level& level, const Leaves& leaves, Search& search, Visitor& visitor) {
+  if (search.request().ray_flags & ray_flag::accept_first_hit_and_end_search)
+    return traverse_level<Order::stored>(level, leaves, search, visitor);
+  return traverse_level<Order::distance>(level, leaves, search, visitor);
+}
+
 struct TriangleLeaves {
+  using Lanes = TriangleLanes;
   const InstanceRules& rules;
 
   static std::optional<TriangleHit> intersect(const PreparedRay& ray, const TriangleLeaf8& leaf, int lane, bool certain,
@@ -139,9 +154,10 @@ struct TriangleLeaves {
   }
 
   template <class Visitor>
-  Offer visit(Level& level, const std::byte* address, Search& search, Visitor& visitor) const {
+  Offer visit(const Level& level, const Lanes& lanes, const std::byte* address, Search& search,
+              Visitor& visitor) const {
     const auto* leaf = reinterpret_cast<const TriangleLeaf8*>(address);
-    const LeafMasks masks = test_triangles(level.lanes, *leaf);
+    const LeafMasks masks = test_triangles(lanes, *leaf);
     uint32_t accepted = 0;
     Offer result = Offer::rejected;
     for (uint32_t left = masks.possible; left != 0 && result != Offer::ended; left &= left - 1) {
@@ -158,12 +174,13 @@ struct TriangleLeaves {
 };
 
 struct ProceduralLeaves {
+  using Lanes = BoxLanes;
   const InstanceRules& rules;
 
   template <class Visitor>
-  Offer visit(Level& level, const std::byte* address, Search& search, Visitor& visitor) const {
+  Offer visit(Level& level, const Lanes& lanes, const std::byte* address, Search& search, Visitor& visitor) const {
     const auto* leaf = reinterpret_cast<const ProceduralLeaf8*>(address);
-    const uint32_t met = test_boxes(level.lanes, *leaf, level.t_near, level.t_far);
+    const uint32_t met = test_boxes(lanes, *leaf, level.t_near, level.t_far);
     uint32_t asked = 0;
     Offer result = Offer::rejected;
     for (uint32_t left = met; left != 0 && result != Offer::ended; left &= left - 1) {
@@ -173,7 +190,7 @@ struct ProceduralLeaves {
       result = std::max(result, offer);
       if (offer != Offer::committed) continue;
       level.shorten(search);
-      left &= test_boxes(level.lanes, *leaf, level.t_near, level.t_far) | 1u << lane;
+      left &= test_boxes(lanes, *leaf, level.t_near, level.t_far) | 1u << lane;
     }
     visitor.on_procedural_leaf(leaf, met, asked);
     return result;
@@ -193,23 +210,33 @@ bool traverse_bottom(const std::byte* block, const Ray& ray, const InstanceRules
   Level level(block, ray, 1, search);
   if (!level.ray.valid) return false;
   if (level.header().kind == StructureKind::triangles)
-    return traverse_level(level, TriangleLeaves{rules}, search, visitor);
-  return traverse_level(level, ProceduralLeaves{rules}, search, visitor);
+    return traverse_ordered(level, TriangleLeaves{rules}, search, visitor);
+  return traverse_ordered(level, ProceduralLeaves{rules}, search, visitor);
+}
+
+inline bool passes(const InstanceRecord& instance, const TraceRequest& request, const StructureHeader& bottom_level) {
+  return (instance.id_and_mask >> 24 & request.instance_mask) != 0 && wants(request, bottom_level);
+}
+
+inline InstanceRules rules_of(const InstanceRecord& instance, const TraceRequest& request) {
+  return InstanceRules(instance.instance_index, instance.contribution_and_flags >> 24, request.ray_flags,
+                       reinterpret_cast<const std::byte*>(&instance));
 }
 
 struct InstanceLeaves {
+  struct Lanes {
+    explicit Lanes(const PreparedRay&) {}
+  };
   AddressSpace addresses;
 
   template <class Visitor>
-  Offer visit(Level&, const std::byte* address, Search& search, Visitor& visitor) const {
+  Offer visit(const Level&, const Lanes&, const std::byte* address, Search& search, Visitor& visitor) const {
     const auto* instance = reinterpret_cast<const InstanceRecord*>(address);
     const TraceRequest& request = search.request();
     const std::byte* block = addresses.host(instance->bottom_level_address);
-    if ((instance->id_and_mask >> 24 & request.instance_mask) == 0 || !wants(request, header_of(block)))
-      return Offer::rejected;
+    if (!passes(*instance, request, header_of(block))) return Offer::rejected;
     const Ray ray = object_ray(*instance, request.ray);
-    const InstanceRules rules(instance->instance_index, instance->contribution_and_flags >> 24, request.ray_flags,
-                              address);
+    const InstanceRules rules = rules_of(*instance, request);
     visitor.on_enter_instance(instance, ray);
     const bool ended = traverse_bottom(block, ray, rules, search, visitor);
     visitor.on_leave_instance(instance);
@@ -229,7 +256,7 @@ Hit traverse(AddressSpace addresses, const TraceRequest& request, Visitor& visit
     return search.hit();
   }
   Level level(request.structure, request.ray, header.pad_scale, search);
-  if (level.ray.valid) traverse_level(level, InstanceLeaves{addresses}, search, visitor);
+  if (level.ray.valid) traverse_ordered(level, InstanceLeaves{addresses}, search, visitor);
   return search.hit();
 }
 

@@ -149,11 +149,10 @@ void RayMachine::complete() {
 void RayMachine::test_node() {
   const Level& level = *(bottom_ ? bottom_ : top_);
   const auto* node = reinterpret_cast<const Node8*>(bytes_at(step_.address));
-  alignas(32) float near[8];
-  const uint32_t mask = accel::scalar::test_node(level.lanes, *node, level.t_near, level.t_far, near);
-  RayEventVisitor(capture_->header.addresses, *this).on_node(node, mask, near);
+  const auto hits = accel::scalar::test_node(accel::scalar::BoxLanes(level.ray), *node, level.t_near, level.t_far);
+  RayEventVisitor(capture_->header.addresses, *this).on_node(node, hits.mask, hits.near);
   const bool any_hit = request_.ray_flags & accel::ray_flag::accept_first_hit_and_end_search;
-  (bottom_ ? bottom_stack_ : top_stack_).push_children(*node, mask, near, !any_hit);
+  (bottom_ ? bottom_stack_ : top_stack_).push_children(*node, hits.mask, hits.near, !any_hit);
 }
 
 void RayMachine::test_leaf() {
@@ -161,9 +160,12 @@ void RayMachine::test_leaf() {
   next_asked_ = 0;
   RayEventVisitor visitor(capture_->header.addresses, *this);
   const std::byte* const where = bytes_at(step_.address);
-  const Offer offer = step_.kind == RayStep::Kind::triangle_leaf
-                          ? accel::scalar::TriangleLeaves{*rules_}.visit(*bottom_, where, *search_, visitor)
-                          : accel::scalar::ProceduralLeaves{*rules_}.visit(*bottom_, where, *search_, visitor);
+  const auto visit = [&](const auto& leaves) {
+    const typename std::remove_cvref_t<decltype(leaves)>::Lanes lanes(bottom_->ray);
+    return leaves.visit(*bottom_, lanes, where, *search_, visitor);
+  };
+  const Offer offer = step_.kind == RayStep::Kind::triangle_leaf ? visit(accel::scalar::TriangleLeaves{*rules_})
+                                                                 : visit(accel::scalar::ProceduralLeaves{*rules_});
   if (offer == Offer::committed) bottom_->shorten(*search_);
   ended_ = offer == Offer::ended;
 }

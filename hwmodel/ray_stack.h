@@ -27,15 +27,14 @@ class RayStack {
     return top;
   }
 
-  /// Children of `mask`: the nearest on top, the lowest lane before its equals; or the lowest lane on top.
+  /// Children of `mask`: the nearest on top, the lowest lane before its equals; or the highest lane on top.
   void push_children(const accel::Node8& node, uint32_t mask, const float (&near)[8], bool sorted) {
     const size_t first = entries_.size();
-    for (uint32_t left = mask; left != 0;) {
-      const int lane = 31 - std::countl_zero(left);
-      left &= ~(1u << lane);
+    for (uint32_t left = mask; left != 0; left &= left - 1) {
+      const int lane = std::countr_zero(left);
       size_t place = entries_.size();
       if (sorted)
-        while (place > first && entries_[place - 1].near < near[lane]) --place;
+        while (place > first && entries_[place - 1].near <= near[lane]) --place;
       entries_.insert(entries_.begin() + static_cast<std::ptrdiff_t>(place), {node.child[lane], near[lane]});
     }
   }

@@ -7,9 +7,8 @@
 #define HWY_TARGET_INCLUDE "rayloom/accel/simd/kernel_highway.cpp"
 #include <hwy/foreach_target.h>  // before highway.h
 
+#include <rayloom/accel/batch-inl.h>
 #include <rayloom/accel/simd/kernel.h>
-#include <rayloom/accel/traverse-inl.h>
-#include <rayloom/accel/visitor.h>
 
 HWY_BEFORE_NAMESPACE();
 namespace rayloom::accel {
@@ -17,13 +16,10 @@ namespace HWY_NAMESPACE {
 
 #if HWY_TARGET == HWY_AVX2 || HWY_TARGET == HWY_AVX3
 
-Hit trace_one(AddressSpace addresses, const TraceRequest& request) {
-  Visitor visitor;
-  return traverse(addresses, request, visitor);
-}
+Hit trace_one(AddressSpace addresses, const TraceRequest& request) { return trace_alone(addresses, request); }
 
 void trace_many(AddressSpace addresses, std::span<const TraceRequest> requests, std::span<Hit> hits) {
-  for (size_t i = 0; i < requests.size(); ++i) hits[i] = trace_one(addresses, requests[i]);
+  trace_batch(addresses, requests, hits);
 }
 
 #endif  // HWY_TARGET

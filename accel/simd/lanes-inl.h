@@ -27,27 +27,39 @@ namespace hn = hwy::HWY_NAMESPACE;
 using Floats = hn::FixedTag<float, 8>;
 using Words = hn::FixedTag<uint32_t, 8>;
 using FloatLanes = hn::Vec<Floats>;
+using WordLanes = hn::Vec<Words>;
 using LaneMask = hn::Mask<Floats>;
 
-/// The constants of one ray in registers. Row offsets count floats from the start of a node's or leaf's planes.
-struct RayLanes {
-  HWY_INLINE explicit RayLanes(const PreparedRay& ray) {
+/// What box tests read of a ray. Row offsets count floats from the start of a node's or leaf's planes.
+struct BoxLanes {
+  HWY_INLINE explicit BoxLanes(const PreparedRay& ray) {
     const Floats d;
     for (int k = 0; k < 3; ++k) {
       reciprocal[k] = hn::Set(d, ray.reciprocal[k]);
       near_offset[k] = hn::Set(d, ray.near_offset[k]);
       far_offset[k] = hn::Set(d, ray.far_offset[k]);
-      near_row[k] = (2 * size_t(k) + ray.near_side[k]) * 8;
-      far_row[k] = (2 * size_t(k) + 1 - ray.near_side[k]) * 8;
-      origin[k] = hn::Set(d, ray.origin[ray.axis[k]]);
+      near_row[k] = ray.near_row[k];
+      far_row[k] = ray.far_row(k);
+    }
+  }
+
+  FloatLanes reciprocal[3], near_offset[3], far_offset[3];
+  size_t near_row[3], far_row[3];
+};
+
+/// What triangle tests read of a ray, in the order of PreparedRay::axis.
+struct TriangleLanes {
+  HWY_INLINE explicit TriangleLanes(const PreparedRay& ray) {
+    const Floats d;
+    for (int k = 0; k < 3; ++k) {
+      origin[k] = hn::Set(d, ray.ordered_origin[k]);
       vertex_row[k] = size_t{ray.axis[k]} * 8;
     }
     for (int i = 0; i < 2; ++i) shear[i] = hn::Set(d, ray.shear[i]);
   }
 
-  FloatLanes reciprocal[3], near_offset[3], far_offset[3];
-  FloatLanes origin[3], shear[2];  ///< in the order of PreparedRay::axis
-  size_t near_row[3], far_row[3], vertex_row[3];
+  FloatLanes origin[3], shear[2];
+  size_t vertex_row[3];
 };
 
 HWY_INLINE uint32_t mask_bits(LaneMask mask) {
@@ -65,7 +77,7 @@ struct BoxIntervals {
   FloatLanes entry, exit;
 };
 
-HWY_INLINE BoxIntervals box_intervals(const RayLanes& ray, const float* planes, float t_near, float t_far) {
+HWY_INLINE BoxIntervals box_intervals(const BoxLanes& ray, const float* planes, float t_near, float t_far) {
   const Floats d;
   FloatLanes entry[3], exit[3];
   for (int k = 0; k < 3; ++k) {
@@ -76,22 +88,25 @@ HWY_INLINE BoxIntervals box_intervals(const RayLanes& ray, const float* planes, 
           hn::Min(hn::Min(exit[0], exit[1]), hn::Min(exit[2], hn::Set(d, t_far)))};
 }
 
-/// See scalar::test_node().
-HWY_INLINE uint32_t test_node(const RayLanes& ray, const Node8& node, float t_near, float t_far, float near_out[8]) {
-  const BoxIntervals intervals = box_intervals(ray, &node.bounds[0][0][0], t_near, t_far);
-  hn::StoreU(intervals.entry, Floats(), near_out);
-  return mask_bits(hn::Le(intervals.entry, intervals.exit));
-}
+/// See scalar::NodeHits. A key is a rounded entry distance, which is not negative, with the lane in its low bits.
+struct NodeHits {
+  uint32_t mask;
+  WordLanes keys;
+  HWY_INLINE void store_near(float (&out)[8]) const {
+    hn::StoreU(hn::BitCast(Floats(), hn::And(keys, hn::Set(Words(), ~7u))), Floats(), out);
+  }
+};
 
-/// See scalar::lanes_before().
-HWY_INLINE uint32_t lanes_before(const float near[8], int lane) {
-  const Floats d;
-  const FloatLanes all = hn::LoadU(d, near), own = hn::Set(d, near[lane]);
-  return mask_bits(hn::Lt(all, own)) | (mask_bits(hn::Eq(all, own)) & ((1u << lane) - 1));
+/// See scalar::test_node().
+HWY_INLINE NodeHits test_node(const BoxLanes& ray, const Node8& node, float t_near, float t_far) {
+  const Words w;
+  const BoxIntervals intervals = box_intervals(ray, &node.bounds[0][0][0], t_near, t_far);
+  const WordLanes rounded = hn::And(hn::BitCast(w, intervals.entry), hn::Set(w, ~7u));
+  return {mask_bits(hn::Le(intervals.entry, intervals.exit)), hn::Or(rounded, hn::Iota(w, 0))};
 }
 
 /// See scalar::test_boxes().
-HWY_INLINE uint32_t test_boxes(const RayLanes& ray, const ProceduralLeaf8& leaf, float t_near, float t_far) {
+HWY_INLINE uint32_t test_boxes(const BoxLanes& ray, const ProceduralLeaf8& leaf, float t_near, float t_far) {
   const BoxIntervals intervals = box_intervals(ray, &leaf.bounds[0][0][0], t_near, t_far);
   return mask_bits(hn::And(hn::Le(intervals.entry, intervals.exit), used_lanes(leaf.primitive)));
 }
@@ -102,7 +117,7 @@ struct ShearedVertex {
   HWY_INLINE FloatLanes extent() const { return hn::Add(hn::Abs(x), hn::Abs(y)); }
 };
 
-HWY_INLINE ShearedVertex shear_vertex(const RayLanes& ray, const float* rows) {
+HWY_INLINE ShearedVertex shear_vertex(const TriangleLanes& ray, const float* rows) {
   const Floats d;
   const FloatLanes z = hn::Sub(hn::Load(d, rows + ray.vertex_row[2]), ray.origin[2]);
   const FloatLanes x = hn::Sub(hn::Load(d, rows + ray.vertex_row[0]), ray.origin[0]);
@@ -121,11 +136,11 @@ HWY_INLINE FloatLanes edge_bound(const ShearedVertex& a, const ShearedVertex& b,
   const FloatLanes depth = hn::Max(hn::Max(hn::Abs(a.z), hn::Abs(b.z)), hn::Abs(c.z));
   const FloatLanes wide = hn::MulAdd(hn::Set(d, 0x1p-21f), depth, extent);
   const FloatLanes slope = hn::MulAdd(hn::Set(d, 1.625f), extent, hn::Mul(hn::Set(d, 3.125f), depth));
-  return hn::MulAdd(hn::Mul(wide, slope), hn::Set(d, 0x1p-24f), hn::Set(d, 0x1p-140f));
+  return hn::MulAdd(hn::Mul(wide, slope), hn::Set(d, 0x1p-24f), hn::Set(d, 0x1p-126f));
 }
 
 /// See scalar::test_triangles().
-HWY_INLINE LeafMasks test_triangles(const RayLanes& ray, const TriangleLeaf8& leaf) {
+HWY_INLINE LeafMasks test_triangles(const TriangleLanes& ray, const TriangleLeaf8& leaf) {
   const ShearedVertex a = shear_vertex(ray, &leaf.vertex[0][0][0]);
   const ShearedVertex b = shear_vertex(ray, &leaf.vertex[1][0][0]);
   const ShearedVertex c = shear_vertex(ray, &leaf.vertex[2][0][0]);
@@ -138,7 +153,7 @@ HWY_INLINE LeafMasks test_triangles(const RayLanes& ray, const TriangleLeaf8& le
   const FloatLanes low = hn::Min(hn::Min(ab, bc), ca), high = hn::Max(hn::Max(ab, bc), ca);
   const LaneMask missed = hn::And(hn::Gt(high, bound), hn::Lt(low, below));
   const LaneMask hit = hn::Or(hn::Gt(low, bound), hn::Lt(high, below));
-  const LaneMask used = used_lanes(leaf.primitive);
+  const LaneMask used = hn::Eq(a.z, a.z);
   return {mask_bits(hn::AndNot(missed, used)), mask_bits(hn::And(hit, used))};
 }
 

@@ -6,13 +6,24 @@
 #include <rayloom/accel/prepared_ray.h>
 #include <rayloom/accel/simd/lane_masks.h>
 
+#include <algorithm>
+#include <bit>
 #include <cmath>
 
 namespace rayloom::accel::scalar {
 
-/// Ray constants of one traversal. In the SIMD twin these are vectors, here the prepared ray serves as it is.
-struct RayLanes {
-  explicit RayLanes(const PreparedRay& prepared) : ray(&prepared) {}
+inline void prepare_lanes(const Ray& ray, const StructureHeader& header, float pad_scale, PreparedRay& out) {
+  out = prepare_ray(ray, header.bounds_min, header.bounds_max, pad_scale);
+}
+
+/// What box tests and triangle tests read of a ray. In the SIMD twin these are vectors, here the prepared ray serves as
+/// it is.
+struct BoxLanes {
+  explicit BoxLanes(const PreparedRay& prepared) : ray(&prepared) {}
+  const PreparedRay* ray;
+};
+struct TriangleLanes {
+  explicit TriangleLanes(const PreparedRay& prepared) : ray(&prepared) {}
   const PreparedRay* ray;
 };
 
@@ -29,35 +40,38 @@ inline BoxInterval box_interval(const PreparedRay& ray, const float (&bounds)[3]
                                 float t_far) {
   float entry[3], exit[3];
   for (int axis = 0; axis < 3; ++axis) {
-    const uint32_t side = ray.near_side[axis];
-    entry[axis] = std::fma(bounds[axis][side][lane], ray.reciprocal[axis], ray.near_offset[axis]);
-    exit[axis] = std::fma(bounds[axis][1 - side][lane], ray.reciprocal[axis], ray.far_offset[axis]);
+    const float* const planes = &bounds[0][0][lane];
+    entry[axis] = std::fma(planes[ray.near_row[axis]], ray.reciprocal[axis], ray.near_offset[axis]);
+    exit[axis] = std::fma(planes[ray.far_row(axis)], ray.reciprocal[axis], ray.far_offset[axis]);
   }
   return {max_lane(max_lane(entry[0], entry[1]), max_lane(entry[2], t_near)),
           min_lane(min_lane(exit[0], exit[1]), min_lane(exit[2], t_far))};
 }
 
-/// Mask of the children whose boxes the ray may meet in [t_near, t_far] (box space: near_limit(), far_limit());
-/// near_out holds their entry distances, other lanes hold no meaning.
-inline uint32_t test_node(const RayLanes& lanes, const Node8& node, float t_near, float t_far, float near_out[8]) {
+/// The children whose boxes the ray may meet. Their entry distances are rounded down to multiples of eight units in the
+/// last place, so that the vector twin can sort them together with the lane in the low three bits; those of other lanes
+/// hold no meaning.
+struct NodeHits {
   uint32_t mask = 0;
+  float near[8];
+  void store_near(float (&out)[8]) const { std::copy_n(near, 8, out); }
+};
+
+inline float round_entry(float entry) { return std::bit_cast<float>(std::bit_cast<uint32_t>(entry) & ~7u); }
+
+/// Boxes met in [t_near, t_far], both in box space: near_limit(), far_limit().
+inline NodeHits test_node(const BoxLanes& lanes, const Node8& node, float t_near, float t_far) {
+  NodeHits hits;
   for (int lane = 0; lane < 8; ++lane) {
     const BoxInterval interval = box_interval(*lanes.ray, node.bounds, lane, t_near, t_far);
-    near_out[lane] = interval.entry;
-    mask |= uint32_t{interval.entry <= interval.exit} << lane;
+    hits.near[lane] = round_entry(interval.entry);
+    hits.mask |= uint32_t{interval.entry <= interval.exit} << lane;
   }
-  return mask;
-}
-
-/// Lanes nearer than `lane`, and the equally near below it.
-inline uint32_t lanes_before(const float near[8], int lane) {
-  uint32_t mask = 0;
-  for (int i = 0; i < 8; ++i) mask |= uint32_t{i < lane ? near[i] <= near[lane] : near[i] < near[lane]} << i;
-  return mask;
+  return hits;
 }
 
 /// Mask of the used procedural boxes the ray may meet. Conservative: DXR lets an intersection shader run for more.
-inline uint32_t test_boxes(const RayLanes& lanes, const ProceduralLeaf8& leaf, float t_near, float t_far) {
+inline uint32_t test_boxes(const BoxLanes& lanes, const ProceduralLeaf8& leaf, float t_near, float t_far) {
   uint32_t mask = 0;
   for (int lane = 0; lane < 8; ++lane) {
     const BoxInterval interval = box_interval(*lanes.ray, leaf.bounds, lane, t_near, t_far);
@@ -86,13 +100,13 @@ inline EdgeFilter filter_triangle(const PreparedRay& ray, const TriangleLeaf8& l
   const float product = std::fma(0x1p-21f, depth, extent) * std::fma(1.625f, extent, 3.125f * depth);
   return {{std::fma(x[0], y[1], -(y[0] * x[1])), std::fma(x[1], y[2], -(y[1] * x[2])),
            std::fma(x[2], y[0], -(y[2] * x[0]))},
-          std::fma(product, 0x1p-24f, 0x1p-140f)};
+          std::fma(product, 0x1p-24f, 0x1p-126f)};
 }
 
-inline LeafMasks test_triangles(const RayLanes& lanes, const TriangleLeaf8& leaf) {
+inline LeafMasks test_triangles(const TriangleLanes& lanes, const TriangleLeaf8& leaf) {
   LeafMasks masks;
   for (int lane = 0; lane < 8; ++lane) {
-    if (leaf.primitive[lane] == no_index) continue;
+    if (std::isnan(leaf.vertex[0][lanes.ray->axis[2]][lane])) continue;  // unused; so the names need not be read
     const auto [e, bound] = filter_triangle(*lanes.ray, leaf, lane);
     const bool some_above = e[0] > bound || e[1] > bound || e[2] > bound;
     const bool some_below = e[0] < -bound || e[1] < -bound || e[2] < -bound;

@@ -133,9 +133,9 @@ TEST_CASE("wide nodes cover each leaf once, absorb what fits and order their chi
         if (!leaf) REQUIRE(node.children.count - 1 + count_of[node.child_ref[i]] > node_width);
         if (i == 0) continue;
         const bool before_leaf = node_ref::is_leaf(node.child_ref[i - 1]);
-        REQUIRE(before_leaf >= leaf);
+        REQUIRE(before_leaf <= leaf);
         if (before_leaf == leaf)
-          REQUIRE(tree[node.children.slot[i - 1]].box.half_area() >= tree[node.children.slot[i]].box.half_area());
+          REQUIRE(tree[node.children.slot[i - 1]].box.half_area() <= tree[node.children.slot[i]].box.half_area());
       }
     }
     CHECK(refs_seen.size() == wide.nodes.size() - 1 + 4000);

@@ -8,7 +8,8 @@
 
 #include <hwy/highway.h>
 
-#include <rayloom/accel/simd/lanes-inl.h>
+#include <rayloom/accel/simd/children-inl.h>
+#include <rayloom/accel/simd/prepare-inl.h>
 
 #ifndef RAYLOOM_TESTS_ACCEL_LANES_TEST
 #define RAYLOOM_TESTS_ACCEL_LANES_TEST
@@ -22,7 +23,9 @@ struct LaneFunctions {
   uint32_t (*node)(const PreparedRay&, const Node8&, float t_near, float t_far, float near_out[8]);
   uint32_t (*boxes)(const PreparedRay&, const ProceduralLeaf8&, float t_near, float t_far);
   LeafMasks (*triangles)(const PreparedRay&, const TriangleLeaf8&);
-  uint32_t (*before)(const float near[8], int lane);
+  void (*prepare)(const Ray&, const StructureHeader&, float pad_scale, PreparedRay&);
+  void (*push)(const PreparedRay&, const Node8&, float t_near, float t_far, bool by_distance, TraversalStack&);
+  void (*drop)(TraversalStack&, uint32_t base, float t_far);
 };
 
 }  // namespace rayloom::accel
@@ -36,20 +39,34 @@ namespace HWY_NAMESPACE {
 #if HWY_TARGET == HWY_AVX2 || HWY_TARGET == HWY_AVX3
 
 uint32_t run_node(const PreparedRay& ray, const Node8& node, float t_near, float t_far, float near_out[8]) {
-  return test_node(RayLanes(ray), node, t_near, t_far, near_out);
+  const NodeHits hits = test_node(BoxLanes(ray), node, t_near, t_far);
+  float near[8];
+  hits.store_near(near);
+  std::copy_n(near, 8, near_out);
+  return hits.mask;
 }
 
 uint32_t run_boxes(const PreparedRay& ray, const ProceduralLeaf8& leaf, float t_near, float t_far) {
-  return test_boxes(RayLanes(ray), leaf, t_near, t_far);
+  return test_boxes(BoxLanes(ray), leaf, t_near, t_far);
 }
 
 LeafMasks run_triangles(const PreparedRay& ray, const TriangleLeaf8& leaf) {
-  return test_triangles(RayLanes(ray), leaf);
+  return test_triangles(TriangleLanes(ray), leaf);
 }
 
-uint32_t run_before(const float near[8], int lane) { return lanes_before(near, lane); }
+void run_prepare(const Ray& ray, const StructureHeader& header, float pad_scale, PreparedRay& out) {
+  prepare_lanes(ray, header, pad_scale, out);
+}
 
-LaneFunctions lane_functions() { return {run_node, run_boxes, run_triangles, run_before}; }
+void run_push(const PreparedRay& ray, const Node8& node, float t_near, float t_far, bool by_distance,
+              TraversalStack& stack) {
+  const NodeHits hits = test_node(BoxLanes(ray), node, t_near, t_far);
+  by_distance ? push_by_distance(hits, node, stack) : push_in_order(hits, node, stack);
+}
+
+void run_drop(TraversalStack& stack, uint32_t base, float t_far) { drop_farther(stack, base, t_far); }
+
+LaneFunctions lane_functions() { return {run_node, run_boxes, run_triangles, run_prepare, run_push, run_drop}; }
 
 #endif
 
@@ -59,7 +76,7 @@ HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
 
-#include <rayloom/accel/simd/lanes_scalar.h>
+#include <rayloom/accel/simd/children_scalar.h>
 
 #include <catch2/catch.hpp>
 #include <cstdio>
@@ -92,28 +109,104 @@ TEST_CASE("node tests give the same bits on every target", "[unit]") {
     for (int i = 0; i < 200000; ++i) {
       const test::NodeCase c = test::random_node_case(random);
       if (!c.ray.valid) continue;
-      alignas(32) float expected_near[8], near[8];
+      float near[8];
       const float t_near = c.ray.near_limit(c.ray.t_min), t_far = c.ray.far_limit(c.ray.t_max);
-      const uint32_t expected = scalar::test_node(scalar::RayLanes(c.ray), c.node, t_near, t_far, expected_near);
+      const scalar::NodeHits expected = scalar::test_node(scalar::BoxLanes(c.ray), c.node, t_near, t_far);
       INFO(target.name << ", case " << i);
-      REQUIRE(target.functions.node(c.ray, c.node, t_near, t_far, near) == expected);
-      REQUIRE(same_bits(near, expected_near));
-      REQUIRE((expected & c.empty_lanes) == 0);
-      visited += std::popcount(expected);
+      REQUIRE(target.functions.node(c.ray, c.node, t_near, t_far, near) == expected.mask);
+      REQUIRE(same_bits(near, expected.near));
+      REQUIRE((expected.mask & c.empty_lanes) == 0);
+      visited += std::popcount(expected.mask);
     }
     std::printf("%s: %d boxes entered\n", target.name, visited);
     CHECK(visited > 100000);
   }
 }
 
-TEST_CASE("lanes are ordered in the same way on every target", "[unit]") {
+size_t bytes_before_valid(const PreparedRay& ray) {
+  return static_cast<size_t>(reinterpret_cast<const char*>(&ray.valid) - reinterpret_cast<const char*>(&ray));
+}
+
+TEST_CASE("rays are prepared with the same bits on every target", "[unit]") {
+  for (const Target& target : supported_targets()) {
+    Random random(25);
+    for (int i = 0; i < 100000; ++i) {
+      const uint32_t style = random.below(4);
+      StructureHeader header{};
+      for (int k = 0; k < 3; ++k) {
+        const float a = test::any_coordinate(random, style), b = test::any_coordinate(random, style);
+        header.bounds_min[k] = std::min(a, b);
+        header.bounds_max[k] = std::max(a, b);
+      }
+      header.node_count = 1 + random.below(1000);  // lies behind the bounds
+      const Ray ray = test::any_ray(random, style);
+      const float pad_scale = random.chance(2) ? 1.0f : 1 + std::fabs(random.scaled(0, 30));
+      PreparedRay expected{}, found{};
+      scalar::prepare_lanes(ray, header, pad_scale, expected);
+      target.functions.prepare(ray, header, pad_scale, found);
+      REQUIRE(found.valid == expected.valid);
+      if (!found.valid) continue;
+      for (PreparedRay* out : {&expected, &found}) {  // the fourth elements hold no meaning
+        out->reciprocal[3] = out->near_offset[3] = out->far_offset[3] = 0;
+        out->near_row[3] = 0;
+      }
+      INFO(target.name << ", case " << i);
+      REQUIRE(std::memcmp(&expected, &found, bytes_before_valid(found)) == 0);
+    }
+  }
+}
+
+/// A stack whose lower entries must survive.
+void fill(TraversalStack& stack, Random random) {
+  const uint32_t count = 1 + random.below(40);
+  for (uint32_t i = 0; i < count; ++i) stack.push(1000 + i, static_cast<float>(random.below(10)));
+}
+
+void require_equal(TraversalStack& a, TraversalStack& b, uint32_t nears_from = 0) {
+  REQUIRE(a.size() == b.size());
+  REQUIRE(std::equal(a.refs(), a.refs() + a.size(), b.refs()));
+  if (nears_from < a.size()) REQUIRE(std::equal(a.nears() + nears_from, a.nears() + a.size(), b.nears() + nears_from));
+}
+
+TEST_CASE("children go on the stack in the same order on every target", "[unit]") {
   for (const Target& target : supported_targets()) {
     Random random(24);
+    int many = 0;
+    for (int i = 0; i < 50000; ++i) {
+      test::NodeCase c = test::random_node_case(random);
+      if (!c.ray.valid) continue;
+      if (random.chance(2))  // equal distances
+        for (int k = 0; k < 3; ++k)
+          for (int side = 0; side < 2; ++side) std::fill_n(c.node.bounds[k][side], 8, c.node.bounds[k][side][0]);
+      for (uint32_t lane = 0; lane < 8; ++lane) c.node.child[lane] = 100 + lane;
+      const float t_near = c.ray.near_limit(c.ray.t_min), t_far = c.ray.far_limit(c.ray.t_max);
+      TraversalStack expected, found;
+      fill(expected, random), fill(found, random);
+      const uint32_t below = expected.size();
+      const scalar::NodeHits hits = scalar::test_node(scalar::BoxLanes(c.ray), c.node, t_near, t_far);
+      const bool by_distance = random.chance(2);
+      by_distance ? scalar::push_by_distance(hits, c.node, expected) : scalar::push_in_order(hits, c.node, expected);
+      target.functions.push(c.ray, c.node, t_near, t_far, by_distance, found);
+      INFO(target.name << ", case " << i);
+      require_equal(expected, found, by_distance ? 0 : expected.size());
+      REQUIRE(std::equal(expected.nears(), expected.nears() + below, found.nears()));
+      many += std::popcount(hits.mask) > 4;
+    }
+    CHECK(many > 1000);
+  }
+}
+
+TEST_CASE("entries beyond the closest hit leave the stack on every target", "[unit]") {
+  for (const Target& target : supported_targets()) {
+    Random random(26);
     for (int i = 0; i < 20000; ++i) {
-      float near[8];
-      for (float& distance : near) distance = static_cast<float>(random.below(4));
-      const auto lane = static_cast<int>(random.below(8));
-      REQUIRE(target.functions.before(near, lane) == scalar::lanes_before(near, lane));
+      TraversalStack expected, found;
+      fill(expected, random), fill(found, random);
+      const uint32_t base = random.below(expected.size() + 1);
+      const auto t_far = static_cast<float>(random.below(10));
+      scalar::drop_farther(expected, base, t_far);
+      target.functions.drop(found, base, t_far);
+      require_equal(expected, found);
     }
   }
 }
@@ -128,7 +221,7 @@ TEST_CASE("procedural box tests give the same bits on every target", "[unit]") {
       std::memcpy(leaf.bounds, c.node.bounds, sizeof(leaf.bounds));
       for (uint32_t lane = 0; lane < 8; ++lane) leaf.primitive[lane] = c.empty_lanes >> lane & 1 ? no_index : lane;
       const float t_near = c.ray.near_limit(c.ray.t_min), t_far = c.ray.far_limit(c.ray.t_max);
-      const uint32_t expected = scalar::test_boxes(scalar::RayLanes(c.ray), leaf, t_near, t_far);
+      const uint32_t expected = scalar::test_boxes(scalar::BoxLanes(c.ray), leaf, t_near, t_far);
       REQUIRE(target.functions.boxes(c.ray, leaf, t_near, t_far) == expected);
       REQUIRE((expected & c.empty_lanes) == 0);
     }
@@ -141,7 +234,7 @@ TEST_CASE("triangle filters give the same masks on every target", "[unit]") {
     int certain = 0, undecided = 0;
     for (int i = 0; i < 100000; ++i) {
       const test::LeafCase c = test::random_leaf_case(random);
-      const LeafMasks expected = scalar::test_triangles(scalar::RayLanes(c.ray), c.leaf);
+      const LeafMasks expected = scalar::test_triangles(scalar::TriangleLanes(c.ray), c.leaf);
       const LeafMasks masks = target.functions.triangles(c.ray, c.leaf);
       INFO(target.name << ", case " << i);
       REQUIRE(masks.possible == expected.possible);

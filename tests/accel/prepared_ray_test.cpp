@@ -47,8 +47,7 @@ Node8 node_of(const Box& box) {
 /// Whether the box test lets a hit at t through.
 bool enters(const PreparedRay& ray, const Box& box, float t) {
   const Node8 node = node_of(box);
-  float near[8];
-  return (scalar::test_node(scalar::RayLanes(ray), node, ray.near_limit(ray.t_min), ray.far_limit(t), near) & 1) != 0;
+  return (scalar::test_node(scalar::BoxLanes(ray), node, ray.near_limit(ray.t_min), ray.far_limit(t)).mask & 1) != 0;
 }
 
 /// The same ray with its box pads taken away.

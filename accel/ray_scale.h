@@ -1,0 +1,70 @@
+#pragma once
+
+// The parts of ray preparation that plain and vector code share: checks, the order of the axes, and the powers of two
+// and pads of box space (docs/numerics.md, "The box test").
+
+#include <rayloom/accel/prepared_ray.h>
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+
+namespace rayloom::accel {
+
+inline constexpr double float_unit = 0x1p-24;  // u: half the distance from 1 to the next float
+
+/// Both sides of a plane interval pass every box: the pad exceeds the structure.
+inline constexpr float pass_all = 0x1.fffffep127f;
+
+/// Exponent e of a positive value in [2^e, 2^(e+1)).
+inline int exponent_of(double value) { return static_cast<int>(std::bit_cast<uint64_t>(value) >> 52) - 1023; }
+
+inline double power_of_two(int exponent) { return std::bit_cast<double>(static_cast<uint64_t>(exponent + 1023) << 52); }
+
+inline bool finite(const float (&p)[3]) {
+  const auto finite_magnitude = [](float value) {
+    return (std::bit_cast<uint32_t>(value) & 0x7FFFFFFF) < 0x7F800000;  // without branches
+  };
+  return finite_magnitude(p[0]) & finite_magnitude(p[1]) & finite_magnitude(p[2]);
+}
+
+/// TR-17, TR-18, TR-19: an infinite t_max is a ray, an infinite t_min one that hits nothing.
+inline bool traceable(const Ray& ray) {
+  const bool moves = (ray.direction[0] != 0) | (ray.direction[1] != 0) | (ray.direction[2] != 0);
+  return finite(ray.origin) & finite(ray.direction) & moves & (ray.t_min >= 0) & (ray.t_min <= ray.t_max);
+}
+
+/// Sets PreparedRay::axis from its direction.
+inline void order_axes(PreparedRay& out) {
+  constexpr uint32_t following[] = {0, 1, 2, 0, 1};
+  const float x = std::fabs(out.direction[0]), y = std::fabs(out.direction[1]), z = std::fabs(out.direction[2]);
+  const uint32_t first = y > x, last = (z > x) & (z > y);
+  const uint32_t largest = first + last * (2 - first);  // a branch would be mispredicted
+  out.axis[0] = following[largest + 1];
+  out.axis[1] = following[largest + 2];
+  out.axis[2] = largest;
+}
+
+/// Constants of all three axes.
+struct BoxScale {
+  double direction;   ///< the factor, a power of two, that takes the direction to box space
+  double shortest;    ///< scaled components below this are taken for it
+  double common_pad;  ///< the part of the pad that is equal on all axes
+  double largest_pad;
+};
+
+/// Also sets PreparedRay::box_scale. `largest`: largest |coordinate| of origin and bounds; `reach`: largest |plane -
+/// origin|. With 2^m above every coordinate, the scaled direction's dominant component lies in [2^q, 2^(q + 1)).
+inline BoxScale box_scale_of(PreparedRay& out, double largest, double reach, float pad_scale) {
+  const int m = std::min(exponent_of(std::max(largest, 0x1p-149)), 127) + 1;
+  const int q = std::max(0, m - 26);
+  const double dominant = std::fabs(double{out.direction[out.axis[2]]});
+  const int shift = exponent_of(dominant) - q;
+  out.box_scale = power_of_two(shift);
+  const double coordinate = power_of_two(m), step = power_of_two(q);
+  const double transform_pad = 8 * float_unit * (std::max(1.0f, pad_scale) - 1.0) * reach;
+  const double common_pad = 0x1p-48 * coordinate + 0x1p-147 * (step + dominant) + transform_pad;
+  return {power_of_two(-shift), 0x1p-96 * step, common_pad, coordinate};
+}
+
+}  // namespace rayloom::accel
