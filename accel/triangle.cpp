@@ -68,7 +68,10 @@ template <bool certain>
   const Ends t(depth, errors.t_divided(depth), inverse);
   const Ends u(u_area, errors.u_divided(area), inverse);
   const Ends v(v_area, errors.v_divided(area), inverse);
-  if (!(t.known() & u.known() & v.known())) return refined(true);
+  bool known = t.known();
+  known &= u.known();
+  known &= v.known();
+  if (!known) return refined(true);
   if (!in_range(ray, t.value(), t_far)) return std::nullopt;
   return TriangleHit{t.value(), u.value(), v.value(), area < 0};
 }
