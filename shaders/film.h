@@ -31,7 +31,7 @@ struct FilmArguments {
   uint32_t first_sample = 0;
   uint32_t sample_count = 0;
   uint32_t seed = 0;
-  uint32_t reserved = 0;
+  SamplerKind sampler = SamplerKind::owen_sobol;
 
   uint2 pixel(uint3 launch_index) const { return window_origin + uint2(launch_index); }
   uint64_t slot(uint3 launch_index) const { return uint64_t{launch_index.y} * window_size.x + launch_index.x; }
@@ -43,7 +43,8 @@ void add_samples(RayGenContext& ctx, const AddSample& add) {
   const auto film = ctx.GlobalRoot<FilmArguments>();
   const uint2 pixel = film.pixel(ctx.DispatchRaysIndex());
   PixelSums sums = film.pixels[film.slot(ctx.DispatchRaysIndex())];
-  for (uint32_t i = 0; i < film.sample_count; ++i) add(Sampler(pixel, film.first_sample + i, film.seed), pixel, sums);
+  for (uint32_t i = 0; i < film.sample_count; ++i)
+    add(Sampler(pixel, film.first_sample + i, film.seed, film.sampler), pixel, sums);
   film.pixels[film.slot(ctx.DispatchRaysIndex())] = sums;
 }
 

@@ -123,6 +123,7 @@ struct Renderer::State {
     film.window_size = {window.width, window.height};
     film.first_sample = first, film.sample_count = count;
     film.seed = options.seed;
+    film.sampler = options.sampler;
     CommandList commands;
     commands.SetPipelineState1(which.pipeline);
     commands.SetComputeRoot(film);
@@ -148,6 +149,14 @@ void Renderer::render(uint32_t first, uint32_t count) {
   if (first != s.samples) throw UsageError("sample ranges must follow each other");
   s.dispatch(s.program, first, count, s.options.dispatch);
   s.samples += count;
+}
+
+void Renderer::restart(uint32_t seed, SamplerKind sampler) {
+  State& s = *state_;
+  s.options.seed = seed, s.options.sampler = sampler;
+  s.samples = 0;
+  const auto sums = s.pixels.as<PixelSums>();
+  std::fill(sums.begin(), sums.end(), PixelSums{});
 }
 
 Picture Renderer::picture() const {

@@ -6,6 +6,7 @@
 
 #include <rayloom/scenes/scene.h>
 #include <rayloom/shaders/program.h>
+#include <rayloom/shaders/sampler_kind.h>
 
 #include <memory>
 #include <optional>
@@ -23,6 +24,7 @@ struct RenderOptions {
   std::string program = "path_tracer";
   uint32_t width = 640, height = 360;
   uint32_t seed = 0;
+  SamplerKind sampler = SamplerKind::owen_sobol;
   uint32_t max_bounces = 8;  ///< scatterings a path may have; 0 shows emission alone
   Estimator estimator = Estimator::mis;
   float dielectric_specular = 1;                   ///< see PathTracerSettings
@@ -63,6 +65,10 @@ class Renderer {
   /// Traces one more ray a pixel, always with the native tracer. Depth and distance are infinite and ids 0xffffffff
   /// where nothing is hit.
   std::vector<AovChannel> aov_channels();
+
+  /// Forgets all samples and begins another picture of the scene: the bits of a new Renderer with this seed and
+  /// sampler.
+  void restart(uint32_t seed, SamplerKind sampler);
 
   /// How the render() calls that follow run: mode, warp size, tracer.
   void set_dispatch(const DispatchOptions& how);

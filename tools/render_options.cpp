@@ -45,6 +45,11 @@ ExecutionMode parse_mode(const std::string& name) {
   throw UsageError(fmt::format("--mode: '{}' is not one of warp direct", name));
 }
 
+shaders::SamplerKind parse_sampler(const std::string& name) {
+  if (const auto kind = shaders::find_sampler(name)) return *kind;
+  throw UsageError(fmt::format("--sampler: '{}' is not one of {}", name, fmt::join(shaders::sampler_names, " ")));
+}
+
 const char* name_of(ExecutionMode mode) {
   return mode == ExecutionMode::direct ? "direct" : mode == ExecutionMode::warp ? "warp" : "automatic";
 }
@@ -79,6 +84,8 @@ void add_render_options(CLI::App& sub, RenderOptions& o) {
   add_parsed(sub, "--pixel", "x,y", "Only this pixel, counted from the top left",
              [&o](const std::string& text) { o.pixel = parse_pixel("--pixel", text); });
   add_count(sub, "--seed", o.seed, 0, UINT32_MAX, "Seed of all random numbers");
+  add_parsed(sub, "--sampler", "NAME", "Random numbers: owen-sobol or independent [owen-sobol]",
+             [&o](const std::string& text) { o.sampler = parse_sampler(text); });
   add_count(sub, "--max-bounces", o.max_bounces, 0, max_path_bounces,
             "Scatterings a path may have, 0 for emission alone");
   add_parsed(sub, "--aov", "LIST", "Further channels, by name or layer, separated by commas: " + channel_layers(),
@@ -102,6 +109,7 @@ std::string picture_command(const RenderOptions& o) {
   std::string command =
       fmt::format("rayloom render {} --shader {} --size {}x{} --spp {} --seed {} --max-bounces {}",
                   shell_quote(o.scene), o.shader, o.size.width, o.size.height, o.spp, o.seed, o.max_bounces);
+  if (o.sampler != shaders::SamplerKind::owen_sobol) command += fmt::format(" --sampler {}", name_of(o.sampler));
   if (!o.camera.empty()) command += " --camera " + shell_quote(o.camera);
   if (!o.environment.empty())
     command += fmt::format(" --environment {} --environment-scale {}", shell_quote(o.environment), o.environment_scale);
@@ -127,6 +135,7 @@ Json to_json(const RenderOptions& o, ExecutionMode used) {
             {"height", o.size.height},
             {"spp", o.spp},
             {"seed", o.seed},
+            {"sampler", name_of(o.sampler)},
             {"max_bounces", o.max_bounces},
             {"camera", o.camera},
             {"environment", o.environment},

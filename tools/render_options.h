@@ -3,6 +3,7 @@
 // The options that decide a picture, shared by render and simulate.
 
 #include <rayloom/runtime/dispatch.h>
+#include <rayloom/shaders/sampler_kind.h>
 #include <rayloom/tools/cli_values.h>
 #include <rayloom/tools/image.h>
 #include <rayloom/tools/report.h>
@@ -23,6 +24,7 @@ struct RenderOptions {
   double environment_scale = 1;
   std::optional<Pixel> pixel;
   uint64_t seed = 0;
+  shaders::SamplerKind sampler = shaders::SamplerKind::owen_sobol;
   uint64_t threads = 0;
   std::string isa;                ///< empty: the fastest
   std::vector<std::string> aovs;  ///< channels in full, in the order asked for

@@ -23,6 +23,7 @@ shaders::Renderer make_renderer(const scenes::Scene& scene, const RenderOptions&
   options.width = o.size.width;
   options.height = o.size.height;
   options.seed = static_cast<uint32_t>(o.seed);
+  options.sampler = o.sampler;
   options.max_bounces = static_cast<uint32_t>(o.max_bounces);
   options.camera =
       scenes::choose_camera(scene, o.camera, static_cast<float>(o.size.width) / static_cast<float>(o.size.height));

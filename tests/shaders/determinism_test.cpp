@@ -52,6 +52,25 @@ bool same_bits(const std::vector<float4>& a, const std::vector<float4>& b) {
 
 }  // namespace
 
+TEST_CASE("independent samples are the same bits for any threads and batches, and a restart is a new renderer") {
+  const scenes::Scene scene = masked_scene();
+  RenderOptions options = base_options();
+  options.sampler = SamplerKind::independent;
+  const auto reference = render(scene, options);
+  CHECK_FALSE(same_bits(reference, render(scene, base_options())));
+  CHECK(same_bits(reference, render(scene, options, 1)));
+  {
+    const ThreadLimit limit(3);
+    CHECK(same_bits(reference, render(scene, options, 4)));
+  }
+  Renderer renderer(scene, base_options());
+  renderer.render(0, 3);
+  renderer.restart(options.seed, options.sampler);
+  CHECK(renderer.samples() == 0);
+  renderer.render(0, samples);
+  CHECK(same_bits(reference, renderer.picture().rgba));
+}
+
 TEST_CASE("any number of threads renders the same bits") {
   const scenes::Scene scene = masked_scene();
   const auto reference = render(scene, base_options());

@@ -41,6 +41,19 @@ void check_estimators_agree(const scenes::Scene& scene, RenderOptions options, i
   CHECK(test::welch_p_value(mis, bsdf) > test::sidak(0.001, 2));
 }
 
+void check_samplers_agree(const scenes::Scene& scene, RenderOptions options, int seeds, uint32_t samples) {
+  for (const Estimator estimator : {Estimator::mis, Estimator::light_sampling, Estimator::bsdf_sampling}) {
+    options.estimator = estimator;
+    options.sampler = SamplerKind::owen_sobol;
+    const test::Moments sobol = picture_means(scene, options, seeds, samples);
+    options.sampler = SamplerKind::independent;
+    const test::Moments independent = picture_means(scene, options, seeds, samples);
+    CAPTURE(sobol.mean, sobol.standard_error(), independent.mean, independent.standard_error());
+    CHECK(test::welch_p_value(sobol, independent) > test::sidak(0.001, 3));
+    CHECK(sobol.variance() < independent.variance());
+  }
+}
+
 RenderOptions small(uint32_t size) {
   RenderOptions options;
   options.width = options.height = size;
@@ -84,6 +97,12 @@ TEST_CASE("Cornell box: the three estimators agree (Welch)") {
   RenderOptions options = small(16);
   options.max_bounces = 4;
   check_estimators_agree(scene, options, 12, 32);
+}
+
+TEST_CASE("Cornell box: the two samplers agree (Welch)") {
+  RenderOptions options = small(16);
+  options.max_bounces = 4;
+  check_samplers_agree(scenes::load_scene("cornell"), options, 12, 32);
 }
 
 TEST_CASE("sky, lamps, mirrors, masks and blends: the three estimators agree (Welch)") {

@@ -78,6 +78,27 @@ TEST_CASE("every aligned run of 2^k samples is a (0,k,2)-net after scrambling") 
         }
 }
 
+TEST_CASE(
+    "the first two dimensions of every draw are a net, however many draws came before, of two and four dimensions") {
+  constexpr int k = 8;
+  for (uint32_t before = 0; before < 24; ++before) {
+    const auto after_others = [&](Sampler& s) {
+      for (uint32_t i = 0; i < before; ++i) i % 3 ? static_cast<void>(s.next_4d()) : static_cast<void>(s.next_2d());
+      return before % 2 ? float2(s.next_4d()) : s.next_2d();
+    };
+    REQUIRE(sampler_makes_nets({31, 8}, 2, 3u << k, k, after_others));
+  }
+}
+
+TEST_CASE("independent numbers make no net") {
+  std::vector<std::array<uint32_t, 2>> points;
+  for (uint32_t i = 0; i < 64; ++i) {
+    const float2 p = Sampler({31, 8}, i, 2, SamplerKind::independent).next_2d();
+    points.push_back({fraction(p.x), fraction(p.y)});
+  }
+  CHECK_FALSE(is_net(points, 6));
+}
+
 TEST_CASE("every coordinate of a 4D draw is stratified alone") {
   constexpr int k = 9;
   for (int axis = 0; axis < 4; ++axis) {
@@ -85,6 +106,76 @@ TEST_CASE("every coordinate of a 4D draw is stratified alone") {
     for (uint32_t i = 0; i < (1u << k); ++i) strata.insert(fraction(Sampler({5, 9}, i, 1).next_4d()[axis]) >> (32 - k));
     CHECK(strata.size() == 1u << k);
   }
+}
+
+TEST_CASE("every coordinate of either sampler is uniform over pixels, over samples and over seeds (chi-square)") {
+  constexpr int cells = 64, draws = 32768, tests = 2 * 3 * 2 * 4;
+  const std::vector<double> expected(cells, double(draws) / cells);
+  for (const SamplerKind kind : {SamplerKind::owen_sobol, SamplerKind::independent})
+    for (int over = 0; over < 3; ++over)
+      for (int draw = 0; draw < 2; ++draw) {
+        std::array<std::vector<double>, 4> count;
+        count.fill(std::vector<double>(cells));
+        for (uint32_t i = 0; i < draws; ++i) {
+          Sampler sampler(uint2(over == 0 ? i : 12, 7), over == 1 ? i : 3, over == 2 ? i : 1, kind);
+          for (int skipped = 0; skipped < draw; ++skipped) sampler.next_2d();
+          const float4 u = sampler.next_4d();
+          for (int axis = 0; axis < 4; ++axis) ++count[axis][static_cast<size_t>(u[axis] * cells)];
+        }
+        CAPTURE(static_cast<int>(kind), over, draw);
+        for (const auto& axis : count) CHECK(test::chi_square_p_value(axis, expected) > test::sidak(0.001, tests));
+      }
+}
+
+TEST_CASE("errors of neighbouring pixels, and of draws of one pixel, are not correlated") {
+  // What a pixel's 16 samples make of x y in each of four draws, less the true 1/4. A correlation of n pairs that have
+  // none is nearly normal with deviation 1 / sqrt(n).
+  constexpr uint32_t side = 96, samples = 16;
+  constexpr int draws = 4, tests = 2 * (2 + 6);
+  const auto check = [](SamplerKind kind) {
+    std::vector<std::array<double, draws>> errors(side * side);
+    for (uint32_t p = 0; p < side * side; ++p)
+      for (uint32_t i = 0; i < samples; ++i) {
+        Sampler sampler({p % side, p / side}, i, 11, kind);
+        for (int d = 0; d < draws; ++d) {
+          const float4 u = sampler.next_4d();
+          errors[p][d] += (double(u.x) * u.y - 0.25) / samples;
+        }
+      }
+    const auto uncorrelated = [&](uint32_t offset, int a, int b) {
+      double ab = 0, aa = 0, bb = 0;
+      for (uint32_t p = 0; p + offset < side * side; ++p) {
+        const double x = errors[p][a], y = errors[p + offset][b];
+        ab += x * y, aa += x * x, bb += y * y;
+      }
+      const double deviations = std::abs(ab / std::sqrt(aa * bb)) * side;
+      return std::erfc(deviations / std::sqrt(2.0)) > test::sidak(0.001, tests);
+    };
+    CHECK(uncorrelated(1, 0, 0));
+    CHECK(uncorrelated(side, 0, 0));
+    for (int a = 0; a < draws; ++a)
+      for (int b = a + 1; b < draws; ++b) CHECK(uncorrelated(0, a, b));
+    CHECK_FALSE(uncorrelated(0, 0, 0));  // the test can tell
+  };
+  check(SamplerKind::owen_sobol);
+  check(SamplerKind::independent);
+}
+
+TEST_CASE("independent numbers integrate with the error of independent numbers") {
+  // The variance of x y over the unit square is 1/9 - 1/16; that of a sample variance of n normals 2 v^2 / (n - 1).
+  constexpr uint32_t n = 64, seeds = 2000;
+  test::Moments means;
+  for (uint32_t seed = 0; seed < seeds; ++seed) {
+    double sum = 0;
+    for (uint32_t i = 0; i < n; ++i) {
+      const float2 p = Sampler({0, 0}, i, seed, SamplerKind::independent).next_2d();
+      sum += double(p.x) * p.y;
+    }
+    means.add(sum / n);
+  }
+  const double expected = (1.0 / 9 - 1.0 / 16) / n;
+  CHECK(std::abs(means.mean - 0.25) < 4 * means.standard_error());
+  CHECK(std::abs(means.variance() / expected - 1) < 4 * std::sqrt(2.0 / (seeds - 1)));
 }
 
 TEST_CASE("one sample is uniform over pixels and seeds, and independent of the next draw") {
@@ -133,6 +224,8 @@ TEST_CASE("samples depend on pixel, sample, draw and seed, and on nothing else")
   CHECK(first({3, 4}, 5, 6) != first({4, 3}, 5, 6));
   CHECK(first({3, 4}, 5, 6) != first({3, 4}, 6, 6));
   CHECK(first({3, 4}, 5, 6) != first({3, 4}, 5, 7));
+  Sampler independent({3, 4}, 5, 6, SamplerKind::independent);
+  CHECK(first({3, 4}, 5, 6) != independent.next_2d());
   Sampler s({3, 4}, 5, 6);
   CHECK(s.next_2d() != s.next_2d());
 }

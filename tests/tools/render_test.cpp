@@ -148,3 +148,18 @@ TEST_CASE("Ctrl-C ends a long rendering with 130 and no half-written file") {
   CHECK((left.empty() || left == "a.exr\n"));
   if (!left.empty()) CHECK(read_image(scratch.file("a.exr")).width == 960);
 }
+
+TEST_CASE("--sampler chooses the random numbers, and the picture's own command says which were not the default's") {
+  const Scratch scratch;
+  render(scratch, small_picture("cornell", "default.exr"));
+  render(scratch, small_picture("cornell", "sobol.exr"), {"--sampler", "owen-sobol"});
+  render(scratch, small_picture("cornell", "independent.exr"), {"--sampler", "independent", "--json=a.json"});
+  CHECK(scratch.read("sobol.exr") == scratch.read("default.exr"));
+  CHECK(scratch.rayloom({"diff", "independent.exr", "sobol.exr"}).exit_code == 1);
+  const auto config = nlohmann::json::parse(scratch.read("a.json"))["config"];
+  CHECK(config["sampler"] == "independent");
+  CHECK(config["command"].get<std::string>().find("--sampler independent") != std::string::npos);
+  const Outcome bad = scratch.rayloom({"render", "cornell", "-o", "x.exr", "--sampler", "dice"});
+  CHECK(bad.exit_code == 2);
+  CHECK(bad.err.find("--sampler: 'dice'") != std::string::npos);
+}
