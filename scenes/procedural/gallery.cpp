@@ -76,7 +76,7 @@ void add_lamps(Scene& scene, uint32_t count) {
     lamp.position = foot + glm::vec3(0.5f, 3.7f, foot.z > 0 ? -1.5f : 1.5f);
     const glm::vec3 down = foot + glm::vec3(0, 1.5f, 0) - lamp.position;
     lamp.direction = down / std::sqrt(glm::dot(down, down));
-    lamp.intensity = {48, 38, 26};
+    lamp.intensity = {130, 104, 72};
     lamp.cos_inner_cone = 0.92f;
     lamp.cos_outer_cone = 0.80f;
     scene.lights.push_back(lamp);

@@ -96,4 +96,40 @@ Pixels leaf(uint32_t size) {
   });
 }
 
+Pixels leaf_spray(uint32_t size, uint32_t leaves, float width) {
+  return paint(size, [=](glm::vec2 p) {
+    const glm::vec2 at(p.x - 0.5f, 1 - p.y);  // from the twig's foot
+    glm::vec4 color(0.25f, 0.17f, 0.10f, std::fabs(at.x) < 0.008f && at.y < 0.75f ? 1.0f : 0.0f);
+    for (uint32_t i = 0; i < leaves; ++i) {
+      const bool last = i + 1 == leaves;
+      const float turn =
+          last ? 0.0f
+               : (i % 2 == 0 ? 1.0f : -1.0f) * (1.05f - 0.35f * static_cast<float>(i) / static_cast<float>(leaves));
+      const auto [s, c] = det::sincos(turn);
+      const glm::vec2 away = at - glm::vec2(0, 0.06f + 0.62f * static_cast<float>(i) / static_cast<float>(leaves));
+      const float length = 3.4f * width, along = (s * away.x + c * away.y) / length, across = c * away.x - s * away.y;
+      if (along <= 0 || along >= 1 || std::fabs(across) > width * det::sin(pi * det::pow(along, 0.75f))) continue;
+      const float vein = std::fabs(across) < 0.05f * width ? 1.25f : 1.0f;
+      const float shade = vein * (0.8f + 0.3f * unit_float(hash64(71u, i)) + 0.1f * along);
+      color = glm::vec4(0.32f * shade, 0.50f * shade, 0.16f * shade, 1.0f);
+    }
+    return color;
+  });
+}
+
+Pixels needle_spray(uint32_t size) {
+  return paint(size, [](glm::vec2 p) {
+    constexpr float needles = 26, reach = 0.4f;
+    const float x = p.x - 0.5f, y = 1 - p.y;
+    if (std::fabs(x) < 0.012f && y < 0.9f) return glm::vec4(0.30f, 0.22f, 0.14f, 1.0f);
+    // Needles lean forward by one for two sideways, and get shorter towards the tip.
+    const float foot = y - 0.55f * std::fabs(x), phase = needles * foot + (x < 0 ? 0.5f : 0.0f);
+    const float limit =
+        reach * (1.05f - 0.75f * foot) * (0.85f + 0.15f * unit_float(hash64(72u, static_cast<int>(phase + 64))));
+    const bool needle = foot > 0.02f && foot < 0.93f && std::fabs(x) < limit && phase - std::floor(phase) < 0.45f;
+    const float shade = 0.75f + 0.5f * std::fabs(x) / reach;
+    return glm::vec4(0.20f * shade, 0.36f * shade, 0.17f * shade, needle ? 1.0f : 0.0f);
+  });
+}
+
 }  // namespace rayloom::scenes

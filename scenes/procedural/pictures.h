@@ -18,4 +18,9 @@ Pixels plaster(uint32_t size);        ///< sRGB
 Pixels woven_pattern(uint32_t size);  ///< grey stripes and diamonds to be coloured, sRGB
 Pixels leaf(uint32_t size);           ///< one leaf, alpha 0 around it, sRGB
 
+/// Pairs of leaves on a twig that grows from the middle of the lower edge, alpha 0 around them, sRGB. `width`: half of
+/// a leaf's, in parts of the picture's.
+Pixels leaf_spray(uint32_t size, uint32_t leaves, float width);
+Pixels needle_spray(uint32_t size);  ///< the same with needles
+
 }  // namespace rayloom::scenes

@@ -22,8 +22,13 @@ struct Entry {
 constexpr std::array entries = {
     Entry{"atrium", make_atrium, "a courtyard; detail=1..4 (1)"},
     Entry{"cornell", make_cornell, "a Cornell box"},
+    Entry{"forest", make_forest, "over 100 million triangles in 4000 instances; trees=1..1000000 (4000), seed=N (1)"},
     Entry{"gallery", make_gallery,
           "the atrium with statues; statues=1..36 (36), triangles=5000..2000000 (120000) of each at least"},
+    Entry{
+        "hair", make_hair,
+        "40000 strands of thin triangles; strands=1..1000000 (40000), segments=4..128 (20), micrometres=10..1000 (80), "
+        "curl=0..100 (40)"},
     Entry{"spheres", make_spheres, "488 spheres for an intersection shader"},
     Entry{"terrain", make_terrain, "4.5 million triangles of mountains; resolution=8..4096 (1500), seed=N (1)"},
     Entry{"triangle", make_triangle, "one triangle"}};

@@ -20,9 +20,18 @@ Scene make_spheres(Parameters& parameters);
 /// detail=1..4 (default 1): tessellation; triangles grow with its square.
 Scene make_atrium(Parameters& parameters);
 
+/// Trees of four species with masked leaves on hills, a path between them: over 100 million triangles instanced.
+/// trees=1..1000000 (default 4000), the ground grows with them. seed=0..1000000 (default 1).
+Scene make_forest(Parameters& parameters);
+
 /// The atrium with statues that are all different: 4.8 million triangles stored.
 /// statues=1..36 (default 36). triangles=5000..2000000 (default 120000): of each statue, at least.
 Scene make_gallery(Parameters& parameters);
+
+/// A bust with hair: strands that are closed three-sided tubes of 6 * segments triangles, most 100 to 200 times as long
+/// as wide. strands=1..1000000 (default 40000). segments=4..128 (default 20) of each. micrometres=10..1000 (default
+/// 80): thickness at the root. curl=0..100 (default 40).
+Scene make_hair(Parameters& parameters);
 
 /// Mountains, lakes and snow on a square of 4 km: 4.5 million triangles, all stored, in one mesh of four materials.
 /// resolution=8..4096 (default 1500): cells along a side, two triangles each. seed=0..1000000 (default 1).

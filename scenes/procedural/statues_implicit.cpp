@@ -1,5 +1,6 @@
 // Sculptures that are where a function of space is negative.
 
+#include "distance.h"
 #include "gradient_noise.h"
 #include "isosurface.h"
 #include "statues.h"
@@ -13,31 +14,6 @@ namespace rayloom::scenes::statues {
 namespace {
 
 constexpr float pi = 3.14159265f;
-
-float length(glm::vec3 v) { return std::sqrt(glm::dot(v, v)); }
-
-/// The smaller, rounded where they differ by less than `width` (Quilez).
-float blend(float a, float b, float width) {
-  const float h = std::max(0.0f, 1 - std::fabs(a - b) / width);
-  return std::min(a, b) - 0.25f * width * h * h;
-}
-float carve(float solid, float hole, float width) { return -blend(-solid, hole, width); }
-
-/// A round cone from `a` to `b`, nearly: the radius goes linearly between.
-struct Limb {
-  glm::vec3 a, b;
-  float radius_a, radius_b;
-  float distance(glm::vec3 p) const {
-    const glm::vec3 along = b - a;
-    const float t = std::clamp(glm::dot(p - a, along) / glm::dot(along, along), 0.0f, 1.0f);
-    return length(p - a - t * along) - (radius_a + t * (radius_b - radius_a));
-  }
-};
-
-float ellipsoid(glm::vec3 p, glm::vec3 radii) {
-  const float scaled = length(p / radii);
-  return (scaled - 1) * std::min({radii.x, radii.y, radii.z});
-}
 
 /// Slow waves in all directions, within [-1, 1].
 float wobble(glm::vec3 p, uint32_t seed) {
