@@ -39,14 +39,14 @@ uint64_t build_top_level(std::span<const InstanceDesc> instances, AddressSpace a
 
 /// Updates: new positions, boxes or instances in the tree that a build with allow_update made. `source` may be `result`
 /// (then a failed update leaves it half updated) or lie apart from it, and stays as it is; `result` needs the source's
-/// bytes, which are returned. Primitives that were inactive stay so. Throws InputError when `source` may not be updated,
-/// or counts, flags or formats differ from the build's (UP-01 to UP-15).
+/// bytes, which are returned. Primitives that were inactive stay so. Throws InputError when `source` may not be
+/// updated, or counts, flags or formats differ from the build's (UP-01 to UP-15).
 uint64_t refit_bottom_level(std::span<const TriangleGeometry> geometries, const BuildSettings& settings,
                             const std::byte* source, std::span<std::byte> result);
 uint64_t refit_bottom_level(std::span<const AabbGeometry> geometries, const BuildSettings& settings,
                             const std::byte* source, std::span<std::byte> result);
-uint64_t refit_top_level(std::span<const InstanceDesc> instances, AddressSpace addresses,
-                         const BuildSettings& settings, const std::byte* source, std::span<std::byte> result);
+uint64_t refit_top_level(std::span<const InstanceDesc> instances, AddressSpace addresses, const BuildSettings& settings,
+                         const std::byte* source, std::span<std::byte> result);
 
 /// What a finished block says of itself.
 struct StructureInfo {

@@ -6,6 +6,7 @@
 #include <rayloom/accel/sizes.h>
 #include <rayloom/accel/tree_builder.h>
 #include <rayloom/accel/triangle_input.h>
+#include <rayloom/accel/triangle_leaf.h>
 #include <rayloom/base/float_environment.h>
 
 #include <cstring>
@@ -33,29 +34,21 @@ void name_lanes(Leaf& leaf) {
   for (uint32_t lane = 0; lane < leaf_width; ++lane) leaf.primitive[lane] = leaf.geometry[lane] = no_index;
 }
 
-bool is_split(const PrimitiveRef& ref, const InputTriangle& corners) {
-  Box box;
-  for (const auto& vertex : corners.vertex) box.extend(vertex);
-  return !std::equal(box.min, box.min + 3, ref.min) || !std::equal(box.max, box.max + 3, ref.max);
-}
+/// How leaves of triangles are written, and before that, how large they are.
+struct TriangleLeafWriter {
+  std::span<const TriangleGeometry> geometries;
+  LeafForm form;
+  static constexpr uint64_t overread = TriangleLeaf::overread_bytes;
 
-void write_leaf(std::span<const TriangleGeometry> geometries, std::span<const PrimitiveRef> refs, std::byte* address) {
-  TriangleLeaf8 leaf;
-  std::fill_n(&leaf.vertex[0][0][0], 9 * leaf_width, std::numeric_limits<float>::quiet_NaN());
-  name_lanes(leaf);
-  for (size_t lane = 0; lane < refs.size(); ++lane) {
-    const PrimitiveRef& ref = refs[lane];
-    const InputTriangle corners = read_triangle(geometries[ref.geometry], ref.primitive);
-    for (int vertex = 0; vertex < 3; ++vertex)
-      for (int axis = 0; axis < 3; ++axis) leaf.vertex[vertex][axis][lane] = corners.vertex[vertex][axis];
-    leaf.primitive[lane] = ref.primitive;
-    leaf.geometry[lane] = geometry_word(geometries, ref.geometry);
-    if (is_split(ref, corners)) leaf.geometry[lane] |= geometry_flag::split << 24;
+  LeafContents contents(std::span<const PrimitiveRef> refs) const { return leaf_contents(geometries, refs, form); }
+  uint64_t bytes(std::span<const PrimitiveRef> refs) const {
+    if (form == LeafForm::full || (form == LeafForm::plain && geometries.size() > 1)) return sizeof(PlainTriangleLeaf);
+    return form == LeafForm::plain ? TriangleLeaf::bytes(TriangleLeaf::plain_slots, false) : contents(refs).bytes();
   }
-  std::memcpy(address, &leaf, sizeof(leaf));
-}
+  void write(std::span<const PrimitiveRef> refs, std::byte* address) const { contents(refs).write(address); }
+};
 
-void write_leaf(std::span<const AabbGeometry> geometries, std::span<const PrimitiveRef> refs, std::byte* address) {
+void write_boxes(std::span<const AabbGeometry> geometries, std::span<const PrimitiveRef> refs, std::byte* address) {
   ProceduralLeaf8 leaf;
   for (auto& axis : leaf.bounds) {
     std::fill_n(axis[0], leaf_width, Box::infinity);
@@ -74,6 +67,21 @@ void write_leaf(std::span<const AabbGeometry> geometries, std::span<const Primit
   std::memcpy(address, &leaf, sizeof(leaf));
 }
 
+struct ProceduralLeafWriter {
+  std::span<const AabbGeometry> geometries;
+  static constexpr uint64_t overread = 0;
+
+  uint64_t bytes(std::span<const PrimitiveRef>) const { return sizeof(ProceduralLeaf8); }
+  void write(std::span<const PrimitiveRef> refs, std::byte* address) const { write_boxes(geometries, refs, address); }
+};
+
+/// The fastest builder has no time to look for equal vertices.
+TriangleLeafWriter writer_for(std::span<const TriangleGeometry> geometries, const TreeInput& input) {
+  if (input.build_flags & build_flag::allow_update) return {geometries, LeafForm::full};
+  return {geometries, input.builder == Builder::lbvh ? LeafForm::plain : LeafForm::table};
+}
+ProceduralLeafWriter writer_for(std::span<const AabbGeometry> geometries, const TreeInput&) { return {geometries}; }
+
 std::span<const TriangleGeometry> to_clip(std::span<const TriangleGeometry> geometries) { return geometries; }
 std::span<const TriangleGeometry> to_clip(std::span<const AabbGeometry>) { return {}; }
 
@@ -84,10 +92,14 @@ uint64_t build(std::span<const Geometry> geometries, PrimitiveRefs refs, const B
     TreeInput input = tree_input(header.kind, header.primitive_count, settings);
     input.triangles = to_clip(geometries);
     const BuiltTree built = build_tree(std::move(refs), input);
-    const WideTree wide = make_wide_tree(built.tree, sizeof(StructureHeader), leaf_bytes(header.kind));
-    write_tree(built.tree, wide, built.refs, block, [&](std::span<const PrimitiveRef> range, std::byte* address) {
-      write_leaf(geometries, range, address);
+    const auto leaves = writer_for(geometries, input);
+    const LeafBytes leaf_bytes = measure_leaves(built.tree, [&](const BinaryNode& leaf) {
+      return leaves.bytes(std::span(built.refs).subspan(leaf.first, leaf.count));
     });
+    WideTree wide = make_wide_tree(built.tree, sizeof(StructureHeader), leaf_bytes);
+    wide.bytes += leaves.overread;
+    write_tree(built.tree, wide, built.refs, block,
+               [&](std::span<const PrimitiveRef> range, std::byte* address) { leaves.write(range, address); });
     describe_tree(built.tree, wide, active, header);
   }
   std::memcpy(block, &header, sizeof(header));

@@ -77,7 +77,8 @@ uint64_t build_top_level(std::span<const InstanceDesc> instances, AddressSpace a
   PrimitiveRefs refs = instance_refs(instances, addresses, settings.flags & build_flag::allow_update);
   if (const size_t active = refs.size(); active > 0) {
     BuiltTree built = build_tree(std::move(refs), tree_input(header.kind, instances.size(), settings));
-    const WideTree wide = make_wide_tree(built.tree, sizeof(StructureHeader), leaf_bytes(header.kind));
+    const WideTree wide = make_wide_tree(built.tree, sizeof(StructureHeader),
+                                         LeafBytes(built.tree.size(), sizeof(InstanceRecord) / granule_bytes));
     describe_tree(built.tree, wide, active, header);
     header.pad_scale = pad_scale_for(pad_scale(instances, built.refs).largest);
     open_ill_conditioned(instances, built.refs, built.tree);

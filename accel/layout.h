@@ -26,13 +26,46 @@ struct alignas(32) Node8 {
 };
 static_assert(sizeof(Node8) == 224);
 
-/// Up to eight triangles, vertex[vertex][axis][lane]. Unused lanes: NaN vertices and primitive == no_index.
-struct alignas(32) TriangleLeaf8 {
-  float vertex[3][3][8];
+inline constexpr uint32_t leaf_lanes = 8;
+
+/// Up to eight triangles over a table of their vertices, in 96 to 384 bytes: triangles side by side share vertices, and
+/// where memory is slow a leaf costs as many lines as it takes. The table follows as coordinate[axis][slots]; after it,
+/// if geometries are mixed, geometry[8].
+struct alignas(32) TriangleLeaf {
+  uint8_t corner[3][8];  ///< by vertex and lane, which entry of the table
+  uint32_t geometry;     ///< 24-bit index, geometry_flag bits from bit 24; of every lane unless mixed
+  uint8_t count;         ///< lanes in use, the lowest ones
+  uint8_t slots;         ///< entries of the table; plain_slots: entry 8 * vertex + lane is that lane's own
+  uint8_t mixed;         ///< 1: every lane has its own geometry
+  uint8_t reserved;
   uint32_t primitive[8];
-  uint32_t geometry[8];  ///< 24-bit index, geometry_flag bits from bit 24
+
+  /// Longest table that vectors look up (two registers); leaves of more vertices are plain.
+  static constexpr uint32_t table_slots = 16, plain_slots = 24;
+  /// The vector code loads tables in two vectors, whatever their length: so far may it read beyond a leaf.
+  static constexpr uint64_t overread_bytes = 64;
+  static constexpr uint64_t bytes(uint32_t slots, bool mixed) {
+    const uint64_t used = 64 + 12 * uint64_t{slots} + (mixed ? 32 : 0);
+    return (used + granule_bytes - 1) / granule_bytes * granule_bytes;
+  }
+
+  uint64_t bytes() const { return bytes(slots, mixed != 0); }
+  uint32_t used_mask() const { return (1u << count) - 1; }
+  const float* row(uint32_t axis) const { return reinterpret_cast<const float*>(this + 1) + axis * slots; }
+  float* row(uint32_t axis) { return reinterpret_cast<float*>(this + 1) + axis * slots; }
+  float coordinate(uint32_t vertex, uint32_t axis, uint32_t lane) const { return row(axis)[corner[vertex][lane]]; }
+  uint32_t geometry_of(uint32_t lane) const {
+    return mixed ? reinterpret_cast<const uint32_t*>(row(3))[lane] : geometry;
+  }
 };
-static_assert(sizeof(TriangleLeaf8) == 352);
+static_assert(sizeof(TriangleLeaf) == 64);
+
+/// The leaf that holds any eight triangles.
+struct PlainTriangleLeaf : TriangleLeaf {
+  float vertex[3][3][8];  ///< [axis][vertex][lane]
+  uint32_t lane_geometry[8];
+};
+static_assert(sizeof(PlainTriangleLeaf) == TriangleLeaf::bytes(TriangleLeaf::plain_slots, true));
 
 /// Up to eight procedural boxes, bounds[axis][side][lane]. Unused lanes: inverted boxes and primitive == no_index.
 struct alignas(32) ProceduralLeaf8 {

@@ -29,23 +29,22 @@ const Geometry& geometry_of(std::span<const Geometry> geometries, uint32_t word,
 }
 
 /// A triangle that has become inactive keeps its place, but cannot be hit.
-void refit_lane(const InputTriangle& corners, int lane, TriangleLeaf8& leaf, Box& box) {
+void refit_lane(const InputTriangle& corners, uint32_t lane, PlainTriangleLeaf& leaf, Box& box) {
   const bool active = is_active(corners);
   for (int vertex = 0; vertex < 3; ++vertex) {
     for (int axis = 0; axis < 3; ++axis)
-      leaf.vertex[vertex][axis][lane] = active ? corners.vertex[vertex][axis] : std::numeric_limits<float>::quiet_NaN();
+      leaf.vertex[axis][vertex][lane] = active ? corners.vertex[vertex][axis] : std::numeric_limits<float>::quiet_NaN();
     if (active) box.extend(corners.vertex[vertex]);
   }
 }
 
 Refitted whole(const Box& box) { return {box, box, 0, 0}; }
 
-Refitted refit_leaf(std::span<const TriangleGeometry> geometries, TriangleLeaf8& leaf) {
+Refitted refit_leaf(std::span<const TriangleGeometry> geometries, PlainTriangleLeaf& leaf) {
   Box box;
-  for (int lane = 0; lane < 8; ++lane) {
-    if (leaf.primitive[lane] == no_index) continue;
-    const TriangleGeometry& geometry = geometry_of(geometries, leaf.geometry[lane], leaf.primitive[lane]);
-    const uint32_t index = leaf.geometry[lane] & 0xFFFFFF;
+  for (uint32_t lane = 0; lane < leaf.count; ++lane) {
+    const TriangleGeometry& geometry = geometry_of(geometries, leaf.geometry_of(lane), leaf.primitive[lane]);
+    const uint32_t index = leaf.geometry_of(lane) & 0xFFFFFF;
     refit_lane(read_checked_triangle(geometry, index, leaf.primitive[lane]), lane, leaf, box);
   }
   return whole(box);
@@ -80,7 +79,7 @@ uint64_t refit(std::span<const Geometry> geometries, StructureKind kind, const B
 
 uint64_t refit_bottom_level(std::span<const TriangleGeometry> geometries, const BuildSettings& settings,
                             const std::byte* source, std::span<std::byte> result) {
-  return refit<TriangleLeaf8>(geometries, StructureKind::triangles, settings, source, result);
+  return refit<PlainTriangleLeaf>(geometries, StructureKind::triangles, settings, source, result);
 }
 
 uint64_t refit_bottom_level(std::span<const AabbGeometry> geometries, const BuildSettings& settings,

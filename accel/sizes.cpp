@@ -12,7 +12,7 @@ uint32_t leaf_size(StructureKind kind) { return kind == StructureKind::instances
 
 uint64_t leaf_bytes(StructureKind kind) {
   if (kind == StructureKind::instances) return sizeof(InstanceRecord);
-  return kind == StructureKind::triangles ? sizeof(TriangleLeaf8) : sizeof(ProceduralLeaf8);
+  return kind == StructureKind::triangles ? sizeof(PlainTriangleLeaf) : sizeof(ProceduralLeaf8);
 }
 
 uint64_t leaf_budget(uint64_t primitives, StructureKind kind, const BuildSettings& settings) {
@@ -25,7 +25,8 @@ uint64_t leaf_budget(uint64_t primitives, StructureKind kind, const BuildSetting
 
 uint64_t largest_structure(uint64_t primitives, StructureKind kind, const BuildSettings& settings) {
   const uint64_t leaves = leaf_budget(primitives, kind, settings);
-  const uint64_t bytes = sizeof(StructureHeader) + node_bound(leaves) * sizeof(Node8) + leaves * leaf_bytes(kind);
+  const uint64_t bytes = sizeof(StructureHeader) + node_bound(leaves) * sizeof(Node8) + leaves * leaf_bytes(kind) +
+                         TriangleLeaf::overread_bytes;
   return (bytes + structure_alignment - 1) / structure_alignment * structure_alignment;
 }
 

@@ -15,10 +15,10 @@ inline constexpr uint64_t max_geometries = uint64_t{1} << 24;
 inline constexpr uint64_t max_primitives = uint64_t{1} << 29;
 inline constexpr uint64_t max_instances = uint64_t{1} << 24;
 
-/// Primitives a bottom-level leaf holds (TriangleLeaf8, ProceduralLeaf8).
-inline constexpr uint32_t leaf_width = 8;
+/// Primitives a bottom-level leaf holds (TriangleLeaf, ProceduralLeaf8).
+inline constexpr uint32_t leaf_width = leaf_lanes;
 
-/// Primitives and bytes of a leaf in this kind of structure.
+/// Primitives and most bytes of a leaf in this kind of structure.
 uint32_t leaf_size(StructureKind kind);
 uint64_t leaf_bytes(StructureKind kind);
 

@@ -145,27 +145,27 @@ struct TriangleLeaves {
   using Lanes = TriangleLanes;
   const InstanceRules& rules;
 
-  static std::optional<TriangleHit> intersect(const PreparedRay& ray, const TriangleLeaf8& leaf, int lane, bool certain,
-                                              float t_far) {
+  static std::optional<TriangleHit> intersect(const PreparedRay& ray, const TriangleLeaf& leaf, uint32_t lane,
+                                              bool certain, float t_far) {
     float v[3][3];
-    for (int vertex = 0; vertex < 3; ++vertex)
-      for (int axis = 0; axis < 3; ++axis) v[vertex][axis] = leaf.vertex[vertex][axis][lane];
+    for (uint32_t vertex = 0; vertex < 3; ++vertex)
+      for (uint32_t axis = 0; axis < 3; ++axis) v[vertex][axis] = leaf.coordinate(vertex, axis, lane);
     return certain ? finish_triangle(ray, v[0], v[1], v[2], t_far) : intersect_triangle(ray, v[0], v[1], v[2], t_far);
   }
 
   template <class Visitor>
   Offer visit(const Level& level, const Lanes& lanes, const std::byte* address, Search& search,
               Visitor& visitor) const {
-    const auto* leaf = reinterpret_cast<const TriangleLeaf8*>(address);
+    const auto* leaf = reinterpret_cast<const TriangleLeaf*>(address);
     const LeafMasks masks = test_triangles(lanes, *leaf);
     uint32_t accepted = 0;
     Offer result = Offer::rejected;
     for (uint32_t left = masks.possible; left != 0 && result != Offer::ended; left &= left - 1) {
-      const int lane = std::countr_zero(left);
+      const auto lane = static_cast<uint32_t>(std::countr_zero(left));
       const auto hit = intersect(level.ray, *leaf, lane, masks.certain >> lane & 1, search.t());
       if (!hit) continue;
       accepted |= 1u << lane;
-      const Offer offer = search.offer_triangle(rules, leaf->geometry[lane], leaf->primitive[lane], *hit, visitor);
+      const Offer offer = search.offer_triangle(rules, leaf->geometry_of(lane), leaf->primitive[lane], *hit, visitor);
       result = std::max(result, offer);
     }
     visitor.on_triangle_leaf(leaf, masks.possible, accepted);

@@ -14,7 +14,7 @@ struct Visitor {
   void on_node(const Node8*, uint32_t /*hit_mask*/, const float (&/*near*/)[8]) {}
   /// A leaf after its triangles. possible_mask: lanes the float filter could not rule out; hit_mask: lanes hit in
   /// (t_min, t], t the closest so far, whatever opacity, culling and the candidate function made of them.
-  void on_triangle_leaf(const TriangleLeaf8*, uint32_t /*possible_mask*/, uint32_t /*hit_mask*/) {}
+  void on_triangle_leaf(const TriangleLeaf*, uint32_t /*possible_mask*/, uint32_t /*hit_mask*/) {}
   /// box_mask: lanes whose box was met on entry; offered_mask: those still met when their turn came.
   void on_procedural_leaf(const ProceduralLeaf8*, uint32_t /*box_mask*/, uint32_t /*offered_mask*/) {}
   /// An instance that passes mask and SKIP flags; `object_ray` is what its bottom level is traced with.

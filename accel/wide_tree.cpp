@@ -8,7 +8,7 @@ namespace {
 
 class Layout {
  public:
-  Layout(const BinaryTree& tree, uint64_t first_byte, uint64_t leaf_bytes)
+  Layout(const BinaryTree& tree, uint64_t first_byte, const LeafBytes& leaf_bytes)
       : tree_(tree), collapse_(tree), leaf_bytes_(leaf_bytes) {
     wide_.bytes = first_byte;
     add(0, take(sizeof(Node8)), 1);
@@ -49,20 +49,20 @@ class Layout {
   uint32_t add_leaf(uint32_t slot) {
     area_sum_ += tree_[slot].box.half_area();
     ++wide_.leaf_count;
-    return take(leaf_bytes_) | node_ref::leaf_bit;
+    return take(uint64_t{leaf_bytes_[slot]} * granule_bytes) | node_ref::leaf_bit;
   }
 
   const BinaryTree& tree_;
   Collapse collapse_;
-  uint64_t leaf_bytes_;
+  const LeafBytes& leaf_bytes_;
   double area_sum_ = 0;
   WideTree wide_;
 };
 
 }  // namespace
 
-WideTree make_wide_tree(const BinaryTree& tree, uint64_t first_byte, uint64_t leaf_bytes) {
-  assert(first_byte % granule_bytes == 0 && leaf_bytes % granule_bytes == 0);
+WideTree make_wide_tree(const BinaryTree& tree, uint64_t first_byte, const LeafBytes& leaf_bytes) {
+  assert(first_byte % granule_bytes == 0);
   return Layout(tree, first_byte, leaf_bytes).finish();
 }
 

@@ -45,7 +45,7 @@ class RayEventVisitor : public accel::Visitor {
     for (uint32_t left = hit_mask; left != 0; left &= left - 1) digest.add(near[std::countr_zero(left)]);
     emit(RayEventKind::node, node, hit_mask, digest);
   }
-  void on_triangle_leaf(const accel::TriangleLeaf8* leaf, uint32_t possible_mask, uint32_t hit_mask) {
+  void on_triangle_leaf(const accel::TriangleLeaf* leaf, uint32_t possible_mask, uint32_t hit_mask) {
     emit(RayEventKind::triangle_leaf, leaf, hit_mask, Digest().add(possible_mask));
   }
   void on_procedural_leaf(const accel::ProceduralLeaf8* leaf, uint32_t box_mask, uint32_t offered_mask) {

@@ -12,7 +12,7 @@ using accel::Offer;
 using accel::ProceduralLeaf8;
 using accel::StructureHeader;
 using accel::StructureKind;
-using accel::TriangleLeaf8;
+using accel::TriangleLeaf;
 
 void RayMachine::start(const Capture& capture, uint64_t warp, uint32_t ray) {
   capture_ = &capture;
@@ -100,7 +100,7 @@ RayStep RayMachine::step_to(uint32_t ref) {
   } else if (!bottom_) {
     set(RayStep::Kind::instance, RequestClass::instance, sizeof(InstanceRecord));
   } else if (accel::header_of(level.block).kind == StructureKind::triangles) {
-    set(RayStep::Kind::triangle_leaf, RequestClass::leaf, sizeof(TriangleLeaf8));
+    set(RayStep::Kind::triangle_leaf, RequestClass::leaf, reinterpret_cast<const TriangleLeaf*>(where)->bytes());
   } else {
     set(RayStep::Kind::procedural_leaf, RequestClass::leaf, sizeof(ProceduralLeaf8));
   }
@@ -121,7 +121,7 @@ RayWork RayMachine::work() const {
     case RayStep::Kind::node:
       return {RayWork::Unit::box, 8};
     case RayStep::Kind::triangle_leaf:
-      return {RayWork::Unit::triangle, used_lanes(reinterpret_cast<const TriangleLeaf8*>(where)->primitive)};
+      return {RayWork::Unit::triangle, reinterpret_cast<const TriangleLeaf*>(where)->count};
     case RayStep::Kind::procedural_leaf:
       return {RayWork::Unit::box, used_lanes(reinterpret_cast<const ProceduralLeaf8*>(where)->primitive)};
     case RayStep::Kind::instance:

@@ -53,13 +53,13 @@ struct TriangleLanes {
     const Floats d;
     for (int k = 0; k < 3; ++k) {
       origin[k] = hn::Set(d, ray.ordered_origin[k]);
-      vertex_row[k] = size_t{ray.axis[k]} * 8;
+      axis[k] = ray.axis[k];
     }
     for (int i = 0; i < 2; ++i) shear[i] = hn::Set(d, ray.shear[i]);
   }
 
   FloatLanes origin[3], shear[2];
-  size_t vertex_row[3];
+  uint32_t axis[3];
 };
 
 HWY_INLINE uint32_t mask_bits(LaneMask mask) {
@@ -117,12 +117,49 @@ struct ShearedVertex {
   HWY_INLINE FloatLanes extent() const { return hn::Add(hn::Abs(x), hn::Abs(y)); }
 };
 
-HWY_INLINE ShearedVertex shear_vertex(const TriangleLanes& ray, const float* rows) {
+HWY_INLINE ShearedVertex shear_vertex(const TriangleLanes& ray, FloatLanes x, FloatLanes y, FloatLanes z) {
+  z = hn::Sub(z, ray.origin[2]);
+  return {hn::NegMulAdd(ray.shear[0], z, hn::Sub(x, ray.origin[0])),
+          hn::NegMulAdd(ray.shear[1], z, hn::Sub(y, ray.origin[1])), z};
+}
+
+/// Eight entries of a table of sixteen floats; indices are taken modulo sixteen.
+HWY_INLINE FloatLanes look_up(FloatLanes low, FloatLanes high, WordLanes index) {
+#if HWY_TARGET == HWY_AVX3
+  return FloatLanes{_mm256_permutex2var_ps(low.raw, index.raw, high.raw)};
+#else
   const Floats d;
-  const FloatLanes z = hn::Sub(hn::Load(d, rows + ray.vertex_row[2]), ray.origin[2]);
-  const FloatLanes x = hn::Sub(hn::Load(d, rows + ray.vertex_row[0]), ray.origin[0]);
-  const FloatLanes y = hn::Sub(hn::Load(d, rows + ray.vertex_row[1]), ray.origin[1]);
-  return {hn::NegMulAdd(ray.shear[0], z, x), hn::NegMulAdd(ray.shear[1], z, y), z};
+  const auto in_high = hn::MaskFromVec(hn::BitCast(d, hn::ShiftLeft<28>(index)));  // bit 3 to the sign
+  return hn::IfThenElse(in_high, FloatLanes{_mm256_permutevar8x32_ps(high.raw, index.raw)},
+                        FloatLanes{_mm256_permutevar8x32_ps(low.raw, index.raw)});
+#endif
+}
+
+/// The vertices of a leaf's triangles in the ray's sheared frame.
+struct ShearedLeaf {
+  ShearedVertex a, b, c;
+};
+
+HWY_INLINE ShearedLeaf shear_plain(const TriangleLanes& ray, const TriangleLeaf& leaf) {
+  const Floats d;
+  const float *const x = leaf.row(ray.axis[0]), *const y = leaf.row(ray.axis[1]), *const z = leaf.row(ray.axis[2]);
+  const auto vertex = [&](size_t i) HWY_ATTR {
+    return shear_vertex(ray, hn::LoadU(d, x + 8 * i), hn::LoadU(d, y + 8 * i), hn::LoadU(d, z + 8 * i));
+  };
+  return {vertex(0), vertex(1), vertex(2)};
+}
+
+HWY_INLINE ShearedLeaf shear_table(const TriangleLanes& ray, const TriangleLeaf& leaf) {
+  const Floats d;
+  const float *const x = leaf.row(ray.axis[0]), *const y = leaf.row(ray.axis[1]), *const z = leaf.row(ray.axis[2]);
+  const FloatLanes low[] = {hn::LoadU(d, x), hn::LoadU(d, y), hn::LoadU(d, z)};
+  const FloatLanes high[] = {hn::LoadU(d, x + 8), hn::LoadU(d, y + 8), hn::LoadU(d, z + 8)};
+  const auto vertex = [&](size_t i) HWY_ATTR {
+    const WordLanes index = hn::PromoteTo(Words(), hn::LoadU(hn::FixedTag<uint8_t, 8>(), leaf.corner[i]));
+    return shear_vertex(ray, look_up(low[0], high[0], index), look_up(low[1], high[1], index),
+                        look_up(low[2], high[2], index));
+  };
+  return {vertex(0), vertex(1), vertex(2)};
 }
 
 HWY_INLINE FloatLanes edge_function(const ShearedVertex& a, const ShearedVertex& b) {
@@ -140,10 +177,9 @@ HWY_INLINE FloatLanes edge_bound(const ShearedVertex& a, const ShearedVertex& b,
 }
 
 /// See scalar::test_triangles().
-HWY_INLINE LeafMasks test_triangles(const TriangleLanes& ray, const TriangleLeaf8& leaf) {
-  const ShearedVertex a = shear_vertex(ray, &leaf.vertex[0][0][0]);
-  const ShearedVertex b = shear_vertex(ray, &leaf.vertex[1][0][0]);
-  const ShearedVertex c = shear_vertex(ray, &leaf.vertex[2][0][0]);
+HWY_INLINE LeafMasks test_triangles(const TriangleLanes& ray, const TriangleLeaf& leaf) {
+  const bool plain = leaf.slots > TriangleLeaf::table_slots;
+  const auto [a, b, c] = HWY_UNLIKELY(plain) ? shear_plain(ray, leaf) : shear_table(ray, leaf);
   const FloatLanes ab = edge_function(a, b), bc = edge_function(b, c), ca = edge_function(c, a);
   const FloatLanes bound = edge_bound(a, b, c);
   const FloatLanes below = hn::Neg(bound);
@@ -153,8 +189,8 @@ HWY_INLINE LeafMasks test_triangles(const TriangleLanes& ray, const TriangleLeaf
   const FloatLanes low = hn::Min(hn::Min(ab, bc), ca), high = hn::Max(hn::Max(ab, bc), ca);
   const LaneMask missed = hn::And(hn::Gt(high, bound), hn::Lt(low, below));
   const LaneMask hit = hn::Or(hn::Gt(low, bound), hn::Lt(high, below));
-  const LaneMask used = hn::Eq(a.z, a.z);
-  return {mask_bits(hn::AndNot(missed, used)), mask_bits(hn::And(hit, used))};
+  const uint32_t used = leaf.used_mask();
+  return {used & ~mask_bits(missed), used & mask_bits(hit)};
 }
 
 #endif  // HWY_TARGET

@@ -86,12 +86,12 @@ struct EdgeFilter {
   float bound;
 };
 
-inline EdgeFilter filter_triangle(const PreparedRay& ray, const TriangleLeaf8& leaf, int lane) {
+inline EdgeFilter filter_triangle(const PreparedRay& ray, const TriangleLeaf& leaf, uint32_t lane) {
   float x[3], y[3], z[3];
-  for (int i = 0; i < 3; ++i) {
-    z[i] = leaf.vertex[i][ray.axis[2]][lane] - ray.origin[ray.axis[2]];
-    x[i] = std::fma(-ray.shear[0], z[i], leaf.vertex[i][ray.axis[0]][lane] - ray.origin[ray.axis[0]]);
-    y[i] = std::fma(-ray.shear[1], z[i], leaf.vertex[i][ray.axis[1]][lane] - ray.origin[ray.axis[1]]);
+  for (uint32_t i = 0; i < 3; ++i) {
+    z[i] = leaf.coordinate(i, ray.axis[2], lane) - ray.origin[ray.axis[2]];
+    x[i] = std::fma(-ray.shear[0], z[i], leaf.coordinate(i, ray.axis[0], lane) - ray.origin[ray.axis[0]]);
+    y[i] = std::fma(-ray.shear[1], z[i], leaf.coordinate(i, ray.axis[1], lane) - ray.origin[ray.axis[1]]);
   }
   const float extent =
       ((std::fabs(x[0]) + std::fabs(y[0])) + (std::fabs(x[1]) + std::fabs(y[1]))) + (std::fabs(x[2]) + std::fabs(y[2]));
@@ -103,10 +103,9 @@ inline EdgeFilter filter_triangle(const PreparedRay& ray, const TriangleLeaf8& l
           std::fma(product, 0x1p-24f, 0x1p-126f)};
 }
 
-inline LeafMasks test_triangles(const TriangleLanes& lanes, const TriangleLeaf8& leaf) {
+inline LeafMasks test_triangles(const TriangleLanes& lanes, const TriangleLeaf& leaf) {
   LeafMasks masks;
-  for (int lane = 0; lane < 8; ++lane) {
-    if (std::isnan(leaf.vertex[0][lanes.ray->axis[2]][lane])) continue;  // unused; so the names need not be read
+  for (uint32_t lane = 0; lane < leaf.count; ++lane) {
     const auto [e, bound] = filter_triangle(*lanes.ray, leaf, lane);
     const bool some_above = e[0] > bound || e[1] > bound || e[2] > bound;
     const bool some_below = e[0] < -bound || e[1] < -bound || e[2] < -bound;

@@ -117,7 +117,7 @@ TEST_CASE("wide nodes cover each leaf once, absorb what fits and order their chi
   for (const uint32_t clusters : {1u, 20u, 1000000u}) {
     auto refs = random_refs(4000, 54, clusters);
     const BinaryTree tree = build_binary_tree(refs, {1, 4000});
-    const WideTree wide = make_wide_tree(tree, 128, sizeof(InstanceRecord));
+    const WideTree wide = make_wide_tree(tree, 128, LeafBytes(tree.size(), sizeof(InstanceRecord) / granule_bytes));
     CHECK(wide.leaf_count == 4000);
     CHECK(wide.nodes.size() <= node_bound(4000));
     CHECK(wide.bytes == 128 + wide.nodes.size() * sizeof(Node8) + 4000 * sizeof(InstanceRecord));
@@ -145,7 +145,7 @@ TEST_CASE("wide nodes cover each leaf once, absorb what fits and order their chi
 TEST_CASE("nodes and leaves are well filled") {
   auto refs = random_refs(20000, 55);
   const BinaryTree tree = build_binary_tree(refs, {8, 3756});
-  const WideTree wide = make_wide_tree(tree, 128, sizeof(TriangleLeaf8));
+  const WideTree wide = make_wide_tree(tree, 128, LeafBytes(tree.size(), sizeof(PlainTriangleLeaf) / granule_bytes));
   const auto children = static_cast<double>(wide.nodes.size() - 1 + wide.leaf_count);
   CHECK(children / static_cast<double>(wide.nodes.size()) > 5.5);
   CHECK(20000.0 / static_cast<double>(wide.leaf_count) > 6.5);

@@ -29,7 +29,9 @@ class StructureChecker {
     CHECK(facts.names.size() == header_.active_count);
     CHECK(header_.bytes == block.used);
     CHECK(header_.bytes <= block.size());
-    CHECK(header_.bytes == sizeof(StructureHeader) + facts.nodes * sizeof(Node8) + facts.leaves * leaf_bytes());
+    const uint64_t slack =
+        header_.kind == StructureKind::triangles && facts.nodes > 0 ? TriangleLeaf::overread_bytes : 0;
+    CHECK(header_.bytes == sizeof(StructureHeader) + facts.nodes * sizeof(Node8) + leaf_bytes_ + slack);
   }
 
   TreeFacts facts;
@@ -38,10 +40,10 @@ class StructureChecker {
   /// Triangles may lie in several leaves then, and stick out of a leaf's box.
   bool splits() const { return static_cast<Builder>(header_.builder) == Builder::spatial_splits; }
 
-  uint64_t leaf_bytes() const {
+  uint64_t bytes_of(const std::byte* leaf) const {
     switch (header_.kind) {
       case StructureKind::triangles:
-        return sizeof(TriangleLeaf8);
+        return reinterpret_cast<const TriangleLeaf*>(leaf)->bytes();
       case StructureKind::procedurals:
         return sizeof(ProceduralLeaf8);
       default:
@@ -75,19 +77,22 @@ class StructureChecker {
   Box leaf(uint32_t ref) {
     ++facts.leaves;
     const std::byte* address = block_.data() + node_ref::offset(ref);
-    if (header_.kind == StructureKind::triangles) return triangles(*reinterpret_cast<const TriangleLeaf8*>(address));
+    leaf_bytes_ += bytes_of(address);
+    if (header_.kind == StructureKind::triangles) return triangles(*reinterpret_cast<const TriangleLeaf*>(address));
     if (header_.kind == StructureKind::procedurals) return boxes(*reinterpret_cast<const ProceduralLeaf8*>(address));
     count(0, reinterpret_cast<const InstanceRecord*>(address)->instance_index);
     return {};
   }
 
-  Box triangles(const TriangleLeaf8& leaf) {
+  Box triangles(const TriangleLeaf& leaf) {
     Box box;
-    for (int lane = 0; lane < 8; ++lane) {
-      if (leaf.primitive[lane] == no_index) continue;
-      count(leaf.geometry[lane] & 0xFFFFFF, leaf.primitive[lane]);
-      if (!splits())
-        for (const auto& v : leaf.vertex) box.extend({v[0][lane], v[1][lane], v[2][lane]});
+    REQUIRE(leaf.count > 0);
+    REQUIRE(leaf.count <= leaf_lanes);
+    for (uint32_t lane = 0; lane < leaf.count; ++lane) {
+      count(leaf.geometry_of(lane) & 0xFFFFFF, leaf.primitive[lane]);
+      if (splits()) continue;
+      for (uint32_t v = 0; v < 3; ++v)
+        box.extend({leaf.coordinate(v, 0, lane), leaf.coordinate(v, 1, lane), leaf.coordinate(v, 2, lane)});
     }
     return box;
   }
@@ -111,6 +116,7 @@ class StructureChecker {
   const Block& block_;
   const StructureHeader& header_;
   int broken_ = 0;
+  uint64_t leaf_bytes_ = 0;
 };
 
 }  // namespace rayloom::accel::test

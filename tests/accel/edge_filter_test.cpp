@@ -34,9 +34,9 @@ PreparedRay prepare(const Ray& ray) {
 }
 
 scalar::EdgeFilter float_filter(const Case& c, const PreparedRay& ray) {
-  TriangleLeaf8 leaf{};
+  PlainTriangleLeaf leaf = test::plain_leaf(1);
   for (int vertex = 0; vertex < 3; ++vertex) {
-    for (int k = 0; k < 3; ++k) leaf.vertex[vertex][k][0] = c.triangle[vertex][k];
+    for (int k = 0; k < 3; ++k) leaf.vertex[k][vertex][0] = c.triangle[vertex][k];
   }
   return scalar::filter_triangle(ray, leaf, 0);
 }

@@ -17,8 +17,19 @@ struct NodeCase {
   uint32_t empty_lanes;
 };
 
+/// A leaf of `count` lanes with vertices of their own.
+inline PlainTriangleLeaf plain_leaf(uint32_t count) {
+  PlainTriangleLeaf leaf{};
+  leaf.count = static_cast<uint8_t>(count);
+  leaf.slots = TriangleLeaf::plain_slots;
+  leaf.mixed = 1;
+  for (uint32_t i = 0; i < 24; ++i) leaf.corner[i / 8][i % 8] = static_cast<uint8_t>(i);
+  for (uint32_t lane = 0; lane < 8; ++lane) leaf.primitive[lane] = lane < count ? lane : no_index;
+  return leaf;
+}
+
 struct LeafCase {
-  TriangleLeaf8 leaf;
+  PlainTriangleLeaf leaf;
   PreparedRay ray;
   uint32_t unused_lanes;
 };
@@ -63,27 +74,52 @@ inline NodeCase random_node_case(Random& random) {
   return out;
 }
 
+/// A leaf over a table, and room for what vectors read beyond it.
+struct alignas(32) TableLeafCase {
+  std::byte bytes[TriangleLeaf::bytes(TriangleLeaf::table_slots, true) + TriangleLeaf::overread_bytes] = {};
+  PreparedRay ray;
+  TriangleLeaf& leaf() { return *reinterpret_cast<TriangleLeaf*>(bytes); }
+};
+
+inline TableLeafCase random_table_leaf_case(Random& random) {
+  TableLeafCase out;
+  const Family family = all_families[random.below(static_cast<uint32_t>(all_families.size()))];
+  const float box[2][3] = {{-1, -1, -1}, {1, 1, 1}};
+  out.ray = prepare_ray(random_case(random, family).ray, box[0], box[1]);
+  TriangleLeaf& leaf = out.leaf();
+  leaf.slots = static_cast<uint8_t>(3 + random.below(TriangleLeaf::table_slots - 2));
+  leaf.count = static_cast<uint8_t>(1 + random.below(8));
+  for (uint32_t i = 0; i < leaf.slots; ++i) {
+    const Case c = random_case(random, family);
+    for (uint32_t axis = 0; axis < 3; ++axis) leaf.row(axis)[i] = c.triangle[i % 3][axis];
+  }
+  for (auto& vertex : leaf.corner)
+    for (uint32_t lane = 0; lane < leaf.count; ++lane) vertex[lane] = static_cast<uint8_t>(random.below(leaf.slots));
+  return out;
+}
+
 inline LeafCase random_leaf_case(Random& random) {
   LeafCase out{};
   const Family family = all_families[random.below(static_cast<uint32_t>(all_families.size()))];
   const Case first = random_case(random, family);
   const float box[2][3] = {{-1, -1, -1}, {1, 1, 1}};
   out.ray = prepare_ray(first.ray, box[0], box[1]);
-  out.unused_lanes = static_cast<uint32_t>(random.bits() & random.bits() & 0xFE);
+  const uint32_t count = 1 + random.below(8);
+  out.leaf = plain_leaf(count);
+  out.unused_lanes = 0xFFu << count & 0xFF;
   for (uint32_t lane = 0; lane < 8; ++lane) {
-    const bool unused = (out.unused_lanes >> lane & 1) != 0;
+    const bool unused = lane >= count;
     const Case c = lane == 0 ? first : random_case(random, family);
     const float poison =
         random.chance(2) ? std::numeric_limits<float>::quiet_NaN() : std::numeric_limits<float>::infinity();
     const bool poisoned = random.chance(20);
     for (int vertex = 0; vertex < 3; ++vertex) {
       for (int k = 0; k < 3; ++k) {
-        out.leaf.vertex[vertex][k][lane] = unused                         ? std::numeric_limits<float>::quiet_NaN()
+        out.leaf.vertex[k][vertex][lane] = unused                         ? std::numeric_limits<float>::quiet_NaN()
                                            : poisoned && random.chance(3) ? poison
                                                                           : c.triangle[vertex][k];
       }
     }
-    out.leaf.primitive[lane] = unused ? no_index : lane;
   }
   return out;
 }

@@ -22,7 +22,7 @@ namespace rayloom::accel {
 struct LaneFunctions {
   uint32_t (*node)(const PreparedRay&, const Node8&, float t_near, float t_far, float near_out[8]);
   uint32_t (*boxes)(const PreparedRay&, const ProceduralLeaf8&, float t_near, float t_far);
-  LeafMasks (*triangles)(const PreparedRay&, const TriangleLeaf8&);
+  LeafMasks (*triangles)(const PreparedRay&, const TriangleLeaf&);
   void (*prepare)(const Ray&, const StructureHeader&, float pad_scale, PreparedRay&);
   void (*push)(const PreparedRay&, const Node8&, float t_near, float t_far, bool by_distance, TraversalStack&);
   void (*drop)(TraversalStack&, uint32_t base, float t_far);
@@ -50,7 +50,7 @@ uint32_t run_boxes(const PreparedRay& ray, const ProceduralLeaf8& leaf, float t_
   return test_boxes(BoxLanes(ray), leaf, t_near, t_far);
 }
 
-LeafMasks run_triangles(const PreparedRay& ray, const TriangleLeaf8& leaf) {
+LeafMasks run_triangles(const PreparedRay& ray, const TriangleLeaf& leaf) {
   return test_triangles(TriangleLanes(ray), leaf);
 }
 
@@ -247,6 +247,23 @@ TEST_CASE("triangle filters give the same masks on every target", "[unit]") {
     std::printf("%s: %d lanes certain, %d undecided\n", target.name, certain, undecided);
     CHECK(certain > 10000);
     CHECK(undecided > 10000);
+  }
+}
+
+TEST_CASE("vertex tables are looked up in the same way on every target", "[unit]") {
+  for (const Target& target : supported_targets()) {
+    Random random(27);
+    int certain = 0;
+    for (int i = 0; i < 100000; ++i) {
+      test::TableLeafCase c = test::random_table_leaf_case(random);
+      const LeafMasks expected = scalar::test_triangles(scalar::TriangleLanes(c.ray), c.leaf());
+      const LeafMasks masks = target.functions.triangles(c.ray, c.leaf());
+      INFO(target.name << ", case " << i);
+      REQUIRE(masks.possible == expected.possible);
+      REQUIRE(masks.certain == expected.certain);
+      certain += std::popcount(masks.certain);
+    }
+    CHECK(certain > 1000);
   }
 }
 

@@ -214,11 +214,11 @@ TEST_CASE("leaves mark the triangles that lie in several") {
   std::map<uint32_t, std::pair<size_t, size_t>> marks;  // by primitive: times named, times marked
   const std::function<void(uint32_t)> visit = [&](uint32_t ref) {
     if (node_ref::is_leaf(ref)) {
-      const auto& leaf = *reinterpret_cast<const TriangleLeaf8*>(block.data() + node_ref::offset(ref));
-      for (int lane = 0; lane < 8 && leaf.primitive[lane] != no_index; ++lane) {
+      const auto& leaf = *reinterpret_cast<const TriangleLeaf*>(block.data() + node_ref::offset(ref));
+      for (uint32_t lane = 0; lane < leaf.count; ++lane) {
         ++marks[leaf.primitive[lane]].first;
-        marks[leaf.primitive[lane]].second += (leaf.geometry[lane] >> 24 & geometry_flag::split) != 0;
-        CHECK((leaf.geometry[lane] >> 24 & geometry_flag::opaque) != 0);
+        marks[leaf.primitive[lane]].second += (leaf.geometry_of(lane) >> 24 & geometry_flag::split) != 0;
+        CHECK((leaf.geometry_of(lane) >> 24 & geometry_flag::opaque) != 0);
       }
       return;
     }

@@ -265,7 +265,7 @@ TEST_CASE("the walk sees what the trace does") {
   struct Counter : Visitor {
     void on_pop(uint32_t, float, bool culled) { culled ? ++culls : ++visits; }
     void on_node(const Node8*, uint32_t mask, const float (&)[8]) { ++nodes, children += std::popcount(mask); }
-    void on_triangle_leaf(const TriangleLeaf8*, uint32_t possible, uint32_t hit) {
+    void on_triangle_leaf(const TriangleLeaf*, uint32_t possible, uint32_t hit) {
       ++leaves;
       CHECK((hit & ~possible) == 0);
     }

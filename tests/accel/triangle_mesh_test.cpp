@@ -124,12 +124,11 @@ TriangleEffort effort_of(const PreparedRay& ray, const Triangle& triangle) {
 }
 
 void count_doubt(const PreparedRay& ray, const std::vector<Triangle>& mesh, size_t first, Doubt& doubt) {
-  TriangleLeaf8 leaf{};
   const size_t count = std::min<size_t>(8, mesh.size() - first);
+  PlainTriangleLeaf leaf = test::plain_leaf(static_cast<uint32_t>(count));
   for (size_t lane = 0; lane < 8; ++lane) {
-    leaf.primitive[lane] = lane < count ? static_cast<uint32_t>(lane) : no_index;
     for (int vertex = 0; vertex < 3; ++vertex) {
-      for (int k = 0; k < 3; ++k) leaf.vertex[vertex][k][lane] = mesh[first + lane % count][vertex][k];
+      for (int k = 0; k < 3; ++k) leaf.vertex[k][vertex][lane] = mesh[first + lane % count][vertex][k];
     }
   }
   const LeafMasks masks = scalar::test_triangles(scalar::TriangleLanes(ray), leaf);

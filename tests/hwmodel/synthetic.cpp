@@ -67,16 +67,20 @@ uint64_t Arena::allocate(uint64_t bytes, uint64_t alignment) {
 Chain make_chain(Arena& arena, uint32_t nodes, uint32_t triangles, uint32_t geometry_flags) {
   const Chain chain = make_nodes(arena, nodes, StructureKind::triangles, triangles > 0);
   if (triangles == 0) return chain;
-  auto& leaf = arena.at<TriangleLeaf8>(chain.address + cell_bytes * (nodes + 1));
+  auto& leaf = arena.at<PlainTriangleLeaf>(chain.address + cell_bytes * (nodes + 1));
   for (int lane = 0; lane < 8; ++lane) {
     const bool used = lane < static_cast<int>(triangles);
     const float z = used ? static_cast<float>(lane) / 16 : std::numeric_limits<float>::quiet_NaN();
     const float corners[3][3] = {{-0.5f, -0.5f, z}, {0.75f, -0.5f, z}, {0, 0.75f, z}};
-    for (int vertex = 0; vertex < 3; ++vertex)
-      for (int axis = 0; axis < 3; ++axis) leaf.vertex[vertex][axis][lane] = used ? corners[vertex][axis] : z;
+    for (int vertex = 0; vertex < 3; ++vertex) {
+      leaf.corner[vertex][lane] = static_cast<uint8_t>(8 * vertex + lane);
+      for (int axis = 0; axis < 3; ++axis) leaf.vertex[axis][vertex][lane] = used ? corners[vertex][axis] : z;
+    }
     leaf.primitive[lane] = used ? static_cast<uint32_t>(lane) : no_index;
-    leaf.geometry[lane] = geometry_flags << 24;
   }
+  leaf.count = static_cast<uint8_t>(triangles);
+  leaf.slots = TriangleLeaf::plain_slots;
+  leaf.geometry = geometry_flags << 24;
   return chain;
 }
 

@@ -49,17 +49,24 @@ struct Primitive {
   Vector vertex[3];  // triangles only
 };
 
-template <class Leaf>
-void collect(const std::byte* block, std::vector<Primitive>& primitives) {
+void collect_triangles(const std::byte* block, std::vector<Primitive>& primitives) {
   for (const std::byte* address : leaves(block)) {
-    const Leaf& leaf = at<Leaf>(address, 0);
+    const auto& leaf = at<TriangleLeaf>(address, 0);
+    for (uint32_t lane = 0; lane < leaf.count; ++lane) {
+      Primitive item{leaf.geometry_of(lane) & 0xFFFFFF, leaf.geometry_of(lane) >> 24, leaf.primitive[lane], {}};
+      for (uint32_t v = 0; v < 3; ++v)
+        item.vertex[v] = {leaf.coordinate(v, 0, lane), leaf.coordinate(v, 1, lane), leaf.coordinate(v, 2, lane)};
+      primitives.push_back(item);
+    }
+  }
+}
+
+void collect_boxes(const std::byte* block, std::vector<Primitive>& primitives) {
+  for (const std::byte* address : leaves(block)) {
+    const auto& leaf = at<ProceduralLeaf8>(address, 0);
     for (int lane = 0; lane < 8; ++lane) {
       if (leaf.primitive[lane] == no_index) continue;
-      Primitive item{leaf.geometry[lane] & 0xFFFFFF, leaf.geometry[lane] >> 24, leaf.primitive[lane], {}};
-      if constexpr (std::is_same_v<Leaf, TriangleLeaf8>)
-        for (int v = 0; v < 3; ++v)
-          item.vertex[v] = {leaf.vertex[v][0][lane], leaf.vertex[v][1][lane], leaf.vertex[v][2][lane]};
-      primitives.push_back(item);
+      primitives.push_back({leaf.geometry[lane] & 0xFFFFFF, leaf.geometry[lane] >> 24, leaf.primitive[lane], {}});
     }
   }
 }
@@ -67,9 +74,9 @@ void collect(const std::byte* block, std::vector<Primitive>& primitives) {
 std::vector<Primitive> primitives_of(const std::byte* block) {
   std::vector<Primitive> primitives;
   if (at<StructureHeader>(block, 0).kind == StructureKind::triangles)
-    collect<TriangleLeaf8>(block, primitives);
+    collect_triangles(block, primitives);
   else
-    collect<ProceduralLeaf8>(block, primitives);
+    collect_boxes(block, primitives);
   std::sort(primitives.begin(), primitives.end(), [](const Primitive& a, const Primitive& b) {
     return std::tie(a.geometry, a.primitive) < std::tie(b.geometry, b.primitive);
   });
