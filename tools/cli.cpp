@@ -7,6 +7,7 @@
 
 #include <cstdio>
 #include <new>
+#include <span>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
@@ -40,6 +41,7 @@ void build_application(CLI::App& app, CommonOptions& common, Action& action) {
   add_diff_command(app, common, action);
   add_bvh_command(app, common, action);
   add_scene_command(app, common, action);
+  add_bench_command(app, common, action);
 }
 
 /// Runs `action`; the order of the handlers is the order of blame: the command line, the input, the machine, us.
@@ -68,27 +70,24 @@ int run_guarded(const Action& action, const CommonOptions& common) {
 }
 
 /// CLI11 would only say that a subcommand is missing.
-void require_known_subcommand(CLI::App& app, const std::vector<std::string>& arguments) {
-  if (arguments.empty() || arguments.front().starts_with('-')) return;
+void require_known_subcommand(const CLI::App& app, std::span<const std::string> arguments) {
+  const std::vector<const CLI::App*> subs = app.get_subcommands({});
+  if (subs.empty() || arguments.empty() || arguments.front().starts_with('-')) return;
   std::string names;
-  for (const CLI::App* sub : app.get_subcommands({})) {
-    if (sub->get_name() == arguments.front()) return;
+  for (const CLI::App* sub : subs) {
+    if (sub->get_name() == arguments.front()) return require_known_subcommand(*sub, arguments.subspan(1));
     names += " " + sub->get_name();
   }
   throw UsageError(fmt::format("there is no subcommand '{}'; there are:{}", arguments.front(), names));
 }
 
-}  // namespace
-
-CLI::App* add_subcommand(CLI::App& app, const std::string& name, const std::string& description,
-                         const std::string& examples, CommonOptions& common) {
-  CLI::App* sub = app.add_subcommand(name, description);
-  sub->footer(examples);
-  sub->add_flag("-q,--quiet", common.quiet, "Print nothing on standard error but errors");
-  sub->add_option("--json", common.json, "Print the results as JSON, or write them to a file with --json=FILE")
-      ->type_name("[=FILE]");
-  return sub;
+/// "rayloom", "rayloom diff", "rayloom bench build": as far as the command line was understood.
+std::string chosen_command(const CLI::App& app) {
+  const auto chosen = app.get_subcommands();
+  return app.get_name() + (chosen.empty() ? "" : " " + chosen_command(*chosen.front()));
 }
+
+}  // namespace
 
 std::string shell_quote(const std::string& word) {
   const auto plain = [](char c) { return std::isalnum(static_cast<unsigned char>(c)) || std::strchr("-_./=,:+@%", c); };
@@ -124,9 +123,7 @@ int run_command_line(int argc, const char* const* argv) {
       app.exit(success);
       return static_cast<int>(exit_ok);
     } catch (const CLI::ParseError& error) {
-      const auto chosen = app.get_subcommands();
-      const std::string where = chosen.empty() ? "rayloom" : "rayloom " + chosen.front()->get_name();
-      throw UsageError(fmt::format("{}\nSee '{} --help'.", error.what(), where));
+      throw UsageError(fmt::format("{}\nSee '{} --help'.", error.what(), chosen_command(app)));
     }
   };
   set_up_signals();

@@ -1,0 +1,171 @@
+#include <rayloom/tools/bench/traversal/features.h>
+
+#include <rayloom/accel/walk.h>
+#include <rayloom/base/parallel.h>
+#include <rayloom/tools/bench/instructions.h>
+#include <rayloom/tools/bench/traced_rays.h>
+#include <rayloom/tools/bench/traversal/dispatch.h>
+
+#include <algorithm>
+#include <optional>
+
+#include <fmt/format.h>
+
+namespace rayloom::bench {
+namespace {
+
+/// A feature by the names of its regions. The difference of `unused` to `baseline` has to be zero; that of `used` is
+/// its price.
+struct Feature {
+  const char *name, *baseline, *unused, *used;
+  bool in_kernel;
+  const char* meaning;  ///< of "used"
+};
+
+constexpr Feature features[] = {
+    {"any-hit", "plain", "opaque, candidate function", "non-opaque, candidate function", true,
+     "every triangle asks a function that accepts"},
+    {"mask", "plain", "opaque, mask 0x01", "instance, mask 0x01", true, "one instance, whose mask is tested"},
+    {"procedural", "plain", "opaque, candidate function", "boxes", true, "a box a triangle, a function that rejects"},
+    {"instancing", "plain", "plain again", "instance, mask 0xFF", true, "one instance around the scene"},
+    {"statistics", "scalar", "empty visitor", "counting visitor", true, "scalar kernel; nodes and leaves are counted"},
+    {"validation", "dispatch", "dispatch again", "dispatch, validated", false, "the runtime checks every TraceRay"},
+};
+
+accel::Verdict accept(void*, const accel::Candidate&) noexcept { return {.commit = true}; }
+accel::Verdict reject(void*, const accel::Candidate&) noexcept { return {}; }
+
+struct CountingVisitor : accel::Visitor {
+  uint64_t nodes = 0, leaves = 0;
+  void on_node(const accel::Node8*, uint32_t, const float (&)[8]) { ++nodes; }
+  void on_triangle_leaf(const accel::TriangleLeaf8*, uint32_t, uint32_t) { ++leaves; }
+};
+
+/// Nothing but the kernel is counted.
+void count_trace(const char* name, const std::vector<accel::TraceRequest>& requests) {
+  std::vector<accel::Hit> hits(requests.size());
+  count_region(name, [&] { accel::trace({}, requests, hits); });
+}
+
+/// `change` applied to the request of every ray.
+template <class Change>
+std::vector<accel::TraceRequest> requests_of(const Rays& rays, const OurStructure& structure, const Change& change) {
+  std::vector<accel::TraceRequest> requests;
+  for (const accel::Ray& ray : rays) change(requests.emplace_back(structure.request(ray)));
+  return requests;
+}
+
+template <class Change>
+void count_requests(const char* name, const Rays& rays, const OurStructure& structure, const Change& change) {
+  count_trace(name, requests_of(rays, structure, change));
+}
+
+/// A box a triangle of the scene, as procedural primitives.
+std::vector<std::array<float, 6>> boxes_of(const BenchScene& scene) {
+  std::vector<std::array<float, 6>> boxes;
+  for (uint32_t i = 0; i < scene.meshes[0].triangle_count(); ++i) {
+    scenes::Bounds bounds;
+    for (const glm::vec3& corner : scene.triangle(0, i)) bounds.add(corner);
+    boxes.push_back({bounds.min.x, bounds.min.y, bounds.min.z, bounds.max.x, bounds.max.y, bounds.max.z});
+  }
+  return boxes;
+}
+
+void count_boxes(const BenchScene& scene, const Rays& rays) {
+  const std::vector<std::array<float, 6>> boxes = boxes_of(scene);
+  const accel::AabbGeometry geometry[]{{reinterpret_cast<const std::byte*>(boxes.data()), 24, boxes.size(), 0}};
+  const std::span<const accel::AabbGeometry> inputs(geometry);
+  const uint64_t bytes = accel::bottom_level_sizes(inputs, 0u).result_bytes;
+  const auto free = [](std::byte* p) { ::operator delete[](p, std::align_val_t{accel::structure_alignment}); };
+  const std::unique_ptr<std::byte[], decltype(free)> block(
+      static_cast<std::byte*>(::operator new[](bytes, std::align_val_t{accel::structure_alignment})), free);
+  accel::build_bottom_level(inputs, 0u, std::span(block.get(), bytes));
+  std::vector<accel::TraceRequest> requests;
+  for (const accel::Ray& ray : rays) requests.push_back({.ray = ray, .structure = block.get(), .candidate = reject});
+  count_trace("boxes", requests);
+}
+
+void count_scalar(const Rays& rays, const OurStructure& structure) {
+  const accel::Isa isa = accel::current_isa();
+  accel::set_isa(accel::Isa::scalar);
+  const auto walk_all = [&](auto& visitor) {
+    for (const accel::Ray& ray : rays) accel::walk({}, structure.request(ray), visitor);
+  };
+  count_region("scalar", [&] {
+    accel::Visitor none;
+    walk_all(none);
+  });
+  count_region("empty visitor", [&] {
+    struct Empty : accel::Visitor {
+    } none;
+    walk_all(none);
+  });
+  count_region("counting visitor", [&] {
+    CountingVisitor visitor;
+    walk_all(visitor);
+  });
+  accel::set_isa(isa);
+}
+
+void count_dispatches(const BenchScene& scene, const Rays& rays) {
+  DispatchBench plain(scene, rays);
+  for (const char* name : {"dispatch", "dispatch again"}) count_region(name, [&] { plain.run(DispatchPart::whole); });
+  DispatchBench validated(scene, rays, true);
+  count_region("dispatch, validated", [&] { validated.run(DispatchPart::whole); });
+}
+
+std::string ratio_text(double value, double rays) { return fmt::format("{:+.1f}", value / rays); }
+
+}  // namespace
+
+void count_features(const FeatureOptions& options) {
+  const ThreadLimit one_thread(1);
+  const BenchScene scene = load_bench_scene(options.scene, options.scenes_directory, UINT64_MAX);
+  BenchScene placed = scene;
+  placed.instances = {{0, accel::identity_transform}};
+  const OurStructure opaque(scene), open(scene, accel::build_flag::prefer_fast_trace, accel::geometry_flag::none);
+  const OurStructure instanced(placed);
+  const Rays rays = make_ray_sets(scene, opaque, static_cast<uint32_t>(options.size)).bounce;
+  const auto as_is = [](accel::TraceRequest&) {};
+  const auto ask = [](accel::TraceRequest& request) { request.candidate = accept; };
+  const auto mask = [](accel::TraceRequest& request) { request.instance_mask = 1; };
+  for (const char* name : {"plain", "plain again"}) count_requests(name, rays, opaque, as_is);
+  count_requests("opaque, candidate function", rays, opaque, ask);
+  count_requests("opaque, mask 0x01", rays, opaque, mask);
+  count_requests("non-opaque, candidate function", rays, open, ask);
+  count_requests("instance, mask 0xFF", rays, instanced, as_is);
+  count_requests("instance, mask 0x01", rays, instanced, mask);
+  count_boxes(scene, rays);
+  count_scalar(rays, opaque);
+  count_dispatches(scene, rays);
+  fmt::print("{}\n", rays.size());
+}
+
+void add_features(BenchReport& report, const FeatureOptions& options) {
+  std::vector<std::string> arguments{"bench", "traversal", options.scene, "--count-features",
+                                     "--isa", "avx2",      "--size",      std::to_string(options.size)};
+  if (!options.scenes_directory.empty()) arguments.insert(arguments.end(), {"--scenes-dir", options.scenes_directory});
+  const CountedRun run = count_instructions(arguments);
+  const double rays = std::stod(run.out);
+  report.json["features"] = {{"scene", options.scene}, {"rays", rays}, {"rows", Json::array()}};
+  PageTable table{"features",
+                  fmt::format("Instructions a ray, {} bounce rays of {} (callgrind, AVX2)", rays, options.scene),
+                  {{"feature", "baseline", "not used", "used", "what used means"}}};
+  for (const Feature& feature : features) {
+    const auto count = [&](const char* region) { return static_cast<double>(run.regions.at(region)); };
+    const double baseline = count(feature.baseline), unused = count(feature.unused) - baseline;
+    const double used = count(feature.used) - baseline;
+    table.rows.push_back({feature.name, fmt::format("{:.1f}", baseline / rays), ratio_text(unused, rays),
+                          ratio_text(used, rays), feature.meaning});
+    report.json["features"]["rows"].push_back({{"feature", feature.name},
+                                               {"baseline_instructions_per_ray", baseline / rays},
+                                               {"unused_instructions_per_ray", unused / rays},
+                                               {"used_instructions_per_ray", used / rays}});
+    if (!feature.in_kernel) continue;
+    report.targets.at_most(std::string(feature.name) + ": instructions a ray where it is not used", unused / rays, 0);
+  }
+  table.rows.push_back({"micromap hook", "", "+0.0", "", "the kernels have none"});
+  report.add_table(table);
+}
+
+}  // namespace rayloom::bench
