@@ -149,7 +149,6 @@ void add_charts(Page& page, const SceneErrors& scene) {
 Json to_json(const Estimate& e) {
   return {{"value", e.value}, {"standard_error", e.standard_error}, {"low", e.low()}, {"high", e.high()}};
 }
-Json to_json(const Spread& s) { return {{"median", s.median}, {"low", s.low}, {"high", s.high}}; }
 Json to_json(const TimeToError& t) {
   const char* kinds[] = {"within", "before_first", "after_last"};
   return {{"kind", kinds[static_cast<size_t>(t.kind)]}, {"seconds", t.seconds}, {"spp", t.spp}};
