@@ -6,7 +6,8 @@
 namespace rayloom::accel {
 namespace {
 
-constexpr Builder builders[] = {Builder::binned_sah, Builder::spatial_splits, Builder::lbvh, Builder::lbvh_treelets};
+constexpr Builder builders[] = {Builder::binned_sah, Builder::spatial_splits, Builder::lbvh, Builder::lbvh_treelets,
+                                Builder::reinsertion};
 
 }  // namespace
 
@@ -24,6 +25,8 @@ const char* builder_name(Builder builder) {
       return "lbvh";
     case Builder::lbvh_treelets:
       return "lbvh_treelets";
+    case Builder::reinsertion:
+      return "reinsertion";
   }
   return "unknown";
 }

@@ -11,9 +11,10 @@ namespace rayloom::accel {
 enum class Builder : uint8_t {
   automatic,       ///< by build flags, see chosen_builder() in tree_builder.h
   binned_sah,      ///< the default: splits between bins by surface area
-  spatial_splits,  ///< for PREFER_FAST_TRACE: the same, and triangles cut where parts would overlap
+  spatial_splits,  ///< triangles cut where parts would overlap; then as reinsertion
   lbvh,            ///< the fastest to build: sorted along a Morton curve
   lbvh_treelets,   ///< lbvh, then small parts of it rearranged for the least cost
+  reinsertion,     ///< for PREFER_FAST_TRACE: binned_sah, then subtrees moved to where they enlarge boxes least
 };
 
 /// Every builder but `automatic`.

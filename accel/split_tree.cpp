@@ -1,6 +1,7 @@
 #include <rayloom/accel/binned_sah.h>
 #include <rayloom/accel/chunks.h>
 #include <rayloom/accel/partition.h>
+#include <rayloom/accel/reinsertion.h>
 #include <rayloom/accel/sizes.h>
 #include <rayloom/accel/spatial_split.h>
 #include <rayloom/accel/split_tree.h>
@@ -12,8 +13,8 @@ namespace rayloom::accel {
 namespace {
 
 /// A spatial split is looked for where the children of the best object split overlap by this much of the root's area
-/// (the paper's alpha).
-constexpr double root_overlap = 1e-5;
+/// (the paper's alpha), and by this much of the node's, which costs little quality and saves a quarter of the time.
+constexpr double root_overlap = 1e-5, node_overlap = 0.25;
 
 /// Below this depth cost no longer chooses: halving 2^30 references down to one leaf takes at most 30 further levels.
 constexpr uint32_t max_sah_depth = 32;
@@ -87,7 +88,7 @@ class SplitTreeBuilder {
         static_cast<uint32_t>(partition_by_split(refs, scratch_of(subtree).first(subtree.count), *object));
     const Counts counts{left_count, subtree.count - left_count};
     const RangeBounds left = bounds_of(refs.first(left_count)), right = bounds_of(refs.subspan(left_count));
-    if (overlap(left.box, right.box) > min_overlap_)
+    if (overlap(left.box, right.box) > std::max(min_overlap_, node_overlap * subtree.bounds.box.half_area()))
       if (const auto spatial = split_in_space(subtree, object->cost)) return *spatial;
     return children(subtree, counts, left, right);
   }
@@ -169,7 +170,9 @@ class SplitTreeBuilder {
 }  // namespace
 
 BuiltTree build_split_tree(PrimitiveRefs refs, const TreeInput& input) {
-  return SplitTreeBuilder(std::move(refs), input).take();
+  BuiltTree built = SplitTreeBuilder(std::move(refs), input).take();
+  built.tree = reinsert(std::move(built.tree), {});
+  return built;
 }
 
 }  // namespace rayloom::accel

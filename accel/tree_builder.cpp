@@ -1,5 +1,6 @@
 #include <rayloom/accel/lbvh.h>
 #include <rayloom/accel/lbvh_treelets.h>
+#include <rayloom/accel/reinsertion.h>
 #include <rayloom/accel/sizes.h>
 #include <rayloom/accel/split_tree.h>
 #include <rayloom/accel/tree_builder.h>
@@ -15,8 +16,7 @@ bool can_split(StructureKind kind, uint32_t flags) {
 
 Builder by_flags(uint32_t flags) {
   if (flags & build_flag::prefer_fast_build) return Builder::lbvh;
-  const bool spends_memory = !(flags & build_flag::minimize_memory);
-  return (flags & build_flag::prefer_fast_trace) && spends_memory ? Builder::spatial_splits : Builder::binned_sah;
+  return (flags & build_flag::prefer_fast_trace) ? Builder::reinsertion : Builder::binned_sah;
 }
 
 }  // namespace
@@ -38,6 +38,7 @@ BuiltTree build_tree(PrimitiveRefs refs, const TreeInput& input) {
   if (input.builder == Builder::lbvh_treelets) return build_lbvh_treelets(refs, input);
   BuiltTree built{std::move(refs), {}};
   built.tree = build_binary_tree(built.refs, {input.leaf_size, input.leaf_budget});
+  if (input.builder == Builder::reinsertion) built.tree = reinsert(std::move(built.tree), {});
   return built;
 }
 

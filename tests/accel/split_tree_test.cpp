@@ -275,8 +275,8 @@ TEST_CASE("structures stay within their sizes, which follow from counts and flag
     const auto bytes = [&](const BuildSettings& settings) {
       return bottom_level_sizes({&geometry, 1}, settings).result_bytes;
     };
-    CHECK(bytes(build_flag::prefer_fast_trace) == block.size());
-    CHECK(bytes(build_flag::prefer_fast_trace | build_flag::minimize_memory) <= bytes(build_flag::prefer_fast_trace));
+    CHECK(bytes(with_splits) == block.size());
+    CHECK(bytes({build_flag::minimize_memory, Builder::spatial_splits}) <= block.size());
   }
   uint64_t before = 0;
   for (uint32_t count = 0; count < 3000; ++count) {
@@ -291,9 +291,7 @@ TEST_CASE("structures stay within their sizes, which follow from counts and flag
 TEST_CASE("splits are for triangles that never move") {
   using namespace build_flag;
   const auto chosen = [](StructureKind kind, const BuildSettings& settings) { return chosen_builder(kind, settings); };
-  CHECK(chosen(StructureKind::triangles, prefer_fast_trace) == Builder::spatial_splits);
-  CHECK(chosen(StructureKind::triangles, prefer_fast_trace | allow_update) == Builder::binned_sah);
-  CHECK(chosen(StructureKind::triangles, prefer_fast_trace | minimize_memory) == Builder::binned_sah);
+  CHECK(chosen(StructureKind::triangles, {none, Builder::spatial_splits}) == Builder::spatial_splits);
   CHECK(chosen(StructureKind::triangles, {allow_update, Builder::spatial_splits}) == Builder::binned_sah);
   CHECK(chosen(StructureKind::procedurals, with_splits) == Builder::binned_sah);
   CHECK(chosen(StructureKind::instances, with_splits) == Builder::binned_sah);
