@@ -15,7 +15,7 @@ struct Halves {
 /// Boxes of what lies of `triangle` inside `cell` below and above `plane` (a coordinate on `axis`), rounded outward:
 /// every point of the triangle, as real numbers, that is in `cell` is in one of them. This is what keeps hits exact:
 /// the point of an exact hit lies in the box of at least one reference, so the ray enters it and all boxes above it
-/// (docs/numerics.md, section 3).
+/// (docs/numerics.md 3.1).
 Halves clip_triangle(const InputTriangle& triangle, const Box& cell, int axis, float plane);
 
 }  // namespace rayloom::accel
