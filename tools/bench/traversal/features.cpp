@@ -38,27 +38,30 @@ accel::Verdict reject(void*, const accel::Candidate&) noexcept { return {}; }
 struct CountingVisitor : accel::Visitor {
   uint64_t nodes = 0, leaves = 0;
   void on_node(const accel::Node8*, uint32_t, const float (&)[8]) { ++nodes; }
-  void on_triangle_leaf(const accel::TriangleLeaf8*, uint32_t, uint32_t) { ++leaves; }
+  void on_triangle_leaf(const accel::TriangleLeaf*, uint32_t, uint32_t) { ++leaves; }
 };
 
-/// Nothing but the kernel is counted.
-void count_trace(const char* name, const std::vector<accel::TraceRequest>& requests) {
-  std::vector<accel::Hit> hits(requests.size());
-  count_region(name, [&] { accel::trace({}, requests, hits); });
-}
+/// Counts nothing but the kernel, each time on the same memory: how it is aligned would show.
+class KernelCounter {
+ public:
+  explicit KernelCounter(const Rays& rays) : requests_(rays.size()), hits_(rays.size()) {
+    for (size_t i = 0; i < rays.size(); ++i) requests_[i].ray = rays[i];
+  }
 
-/// `change` applied to the request of every ray.
-template <class Change>
-std::vector<accel::TraceRequest> requests_of(const Rays& rays, const OurStructure& structure, const Change& change) {
-  std::vector<accel::TraceRequest> requests;
-  for (const accel::Ray& ray : rays) change(requests.emplace_back(structure.request(ray)));
-  return requests;
-}
+  void count(const char* name, const std::byte* structure, accel::CandidateFunction candidate = nullptr,
+             uint32_t mask = 0xFF) {
+    for (accel::TraceRequest& request : requests_) {
+      request.structure = structure;
+      request.candidate = candidate;
+      request.instance_mask = mask;
+    }
+    count_region(name, [&] { accel::trace({}, requests_, hits_); });
+  }
 
-template <class Change>
-void count_requests(const char* name, const Rays& rays, const OurStructure& structure, const Change& change) {
-  count_trace(name, requests_of(rays, structure, change));
-}
+ private:
+  std::vector<accel::TraceRequest> requests_;
+  std::vector<accel::Hit> hits_;
+};
 
 /// A box a triangle of the scene, as procedural primitives.
 std::vector<std::array<float, 6>> boxes_of(const BenchScene& scene) {
@@ -71,7 +74,7 @@ std::vector<std::array<float, 6>> boxes_of(const BenchScene& scene) {
   return boxes;
 }
 
-void count_boxes(const BenchScene& scene, const Rays& rays) {
+void count_boxes(const BenchScene& scene, KernelCounter& kernel) {
   const std::vector<std::array<float, 6>> boxes = boxes_of(scene);
   const accel::AabbGeometry geometry[]{{reinterpret_cast<const std::byte*>(boxes.data()), 24, boxes.size(), 0}};
   const std::span<const accel::AabbGeometry> inputs(geometry);
@@ -80,9 +83,7 @@ void count_boxes(const BenchScene& scene, const Rays& rays) {
   const std::unique_ptr<std::byte[], decltype(free)> block(
       static_cast<std::byte*>(::operator new[](bytes, std::align_val_t{accel::structure_alignment})), free);
   accel::build_bottom_level(inputs, 0u, std::span(block.get(), bytes));
-  std::vector<accel::TraceRequest> requests;
-  for (const accel::Ray& ray : rays) requests.push_back({.ray = ray, .structure = block.get(), .candidate = reject});
-  count_trace("boxes", requests);
+  kernel.count("boxes", block.get(), reject);
 }
 
 void count_scalar(const Rays& rays, const OurStructure& structure) {
@@ -126,16 +127,15 @@ void count_features(const FeatureOptions& options) {
   const OurStructure opaque(scene), open(scene, accel::build_flag::prefer_fast_trace, accel::geometry_flag::none);
   const OurStructure instanced(placed);
   const Rays rays = make_ray_sets(scene, opaque, static_cast<uint32_t>(options.size)).bounce;
-  const auto as_is = [](accel::TraceRequest&) {};
-  const auto ask = [](accel::TraceRequest& request) { request.candidate = accept; };
-  const auto mask = [](accel::TraceRequest& request) { request.instance_mask = 1; };
-  for (const char* name : {"plain", "plain again"}) count_requests(name, rays, opaque, as_is);
-  count_requests("opaque, candidate function", rays, opaque, ask);
-  count_requests("opaque, mask 0x01", rays, opaque, mask);
-  count_requests("non-opaque, candidate function", rays, open, ask);
-  count_requests("instance, mask 0xFF", rays, instanced, as_is);
-  count_requests("instance, mask 0x01", rays, instanced, mask);
-  count_boxes(scene, rays);
+  KernelCounter kernel(rays);
+  // The first leaves the heap as all others find it.
+  for (const char* name : {"first", "plain", "plain again"}) kernel.count(name, opaque.root());
+  kernel.count("opaque, candidate function", opaque.root(), accept);
+  kernel.count("opaque, mask 0x01", opaque.root(), nullptr, 1);
+  kernel.count("non-opaque, candidate function", open.root(), accept);
+  kernel.count("instance, mask 0xFF", instanced.root());
+  kernel.count("instance, mask 0x01", instanced.root(), nullptr, 1);
+  count_boxes(scene, kernel);
   count_scalar(rays, opaque);
   count_dispatches(scene, rays);
   fmt::print("{}\n", rays.size());
