@@ -1,107 +1,164 @@
 #include <rayloom/accel/binned_sah.h>
+#include <rayloom/accel/box_area.h>
 #include <rayloom/accel/chunks.h>
 
 #include <array>
+#include <bit>
+#include <cassert>
 
 namespace rayloom::accel {
 namespace {
 
-constexpr int max_bins = 32;
+struct Bounds4 {
+  Box4 box, centres;
+  void add(const Box4& ref) {
+    box.extend(ref);
+    const Float4 centre = centre4(ref);
+    centres.extend(centre, centre);
+  }
+  void merge(const Bounds4& other) {
+    box.extend(other.box);
+    centres.extend(other.centres);
+  }
+};
+
+/// BinAxis of all three axes.
+struct BinGrid {
+  using Int4 __attribute__((vector_size(16))) = int32_t;
+  Float4 low, scale;
+  Int4 bin(const Box4& ref) const {
+    return __builtin_convertvector(((splat(0.25f) * ref.min + splat(0.25f) * ref.max) - low) * scale, Int4);
+  }
+  BinAxis axis(int k) const { return {low[k], scale[k]}; }
+};
+
+/// The factor below 1 keeps the largest centre out of the bin after the last.
+float bins_per_unit(double half_extent, int count) {
+  constexpr double largest = double{std::numeric_limits<float>::max()};
+  return half_extent > 0 ? static_cast<float>(std::min(count * (1 - 0x1p-20) / half_extent, largest)) : 0.0f;
+}
+
+BinGrid make_grid(const Box& centres, int count) {
+  BinGrid grid{};
+  for (int axis = 0; axis < 3; ++axis) {
+    grid.low[axis] = 0.5f * centres.min[axis];
+    grid.scale[axis] = bins_per_unit(0.5 * centres.extent(axis), count);
+  }
+  return grid;
+}
 
 struct Bin {
-  Box box;
-  uint64_t count = 0;
+  Box4 box;
+  uint32_t count = 0;
   void merge(const Bin& other) {
     box.extend(other.box);
     count += other.count;
   }
 };
 
-using Axes = std::array<BinAxis, 3>;
-
+template <int count>
 struct Bins {
-  Bin bins[3][max_bins];
+  std::array<std::array<Bin, count>, 3> bins;
 
-  void add(const PrimitiveRef& ref, const Axes& axes) {
+  void add(const Box4& ref, const BinGrid& grid) {
+    const auto index = grid.bin(ref);
     for (int axis = 0; axis < 3; ++axis) {
-      Bin& bin = bins[axis][axes[axis].bin(ref.centre(axis))];
-      bin.box.extend(ref.min, ref.max);
+      Bin& bin = bins[axis][index[axis]];
+      bin.box.extend(ref);
       ++bin.count;
     }
   }
   void merge(const Bins& other) {
     for (int axis = 0; axis < 3; ++axis)
-      for (int i = 0; i < max_bins; ++i) bins[axis][i].merge(other.bins[axis][i]);
+      for (int i = 0; i < count; ++i) bins[axis][i].merge(other.bins[axis][i]);
   }
 };
 
-int bin_count(size_t primitives) { return primitives > 256 ? 32 : 16; }
-
-/// The factor below 1 keeps the largest centre out of the bin after the last.
-BinAxis make_axis(const Box& centres, int axis, int count) {
-  const double extent = centres.extent(axis);
-  return {double{centres.min[axis]}, extent > 0 ? count * (1 - 0x1p-20) / extent : 0.0};
+template <size_t count>
+Box box_of(const std::array<Bin, count>& bins) {
+  Box4 all;
+  for (const Bin& bin : bins) all.extend(bin.box);
+  return all.box();
 }
 
-double part_cost(const Bin& part, uint32_t leaf_size) {
-  return part.box.half_area() * static_cast<double>(blocks_for(part.count, leaf_size));
-}
+struct Candidate {
+  float cost = 0;
+  int axis = 0, bin = 0;  ///< bin 0: none
+};
 
-/// Sweeps the planes between the bins of one axis; keeps the best admissible one in `best`.
-void sweep(const Bin* bins, int count, const Split& axis, uint32_t leaf_size, uint64_t block_budget,
-           std::optional<Split>& best) {
-  Bin right[max_bins];
-  Bin part;
-  for (int i = count; i-- > 1;) {
-    part.merge(bins[i]);
-    right[i] = part;
+/// Sweeps the planes between bins.
+class Sweep {
+ public:
+  Sweep(const BoxArea& area, uint32_t leaf_size, uint64_t block_budget)
+      : area_(area), leaf_size_(leaf_size), shift_(std::countr_zero(leaf_size)), budget_(block_budget) {
+    assert(std::has_single_bit(leaf_size));
   }
-  Bin left;
-  for (int i = 1; i < count; ++i) {
-    left.merge(bins[i - 1]);
-    if (left.count == 0 || right[i].count == 0) continue;
-    if (blocks_for(left.count, leaf_size) + blocks_for(right[i].count, leaf_size) > block_budget) continue;
-    const double cost = part_cost(left, leaf_size) + part_cost(right[i], leaf_size);
-    if (best && best->cost <= cost) continue;
-    best = axis;
-    best->bin = i;
-    best->cost = cost;
+
+  /// Keeps the best admissible plane across `axis` in `best`.
+  template <size_t count>
+  void improve(int axis, const std::array<Bin, count>& bins, Candidate& best) const {
+    std::array<float, count> right_area;
+    std::array<uint32_t, count> right_count;
+    Bin part;
+    for (size_t i = count; i-- > 1;) {
+      part.merge(bins[i]);
+      right_area[i] = area_(part.box);
+      right_count[i] = part.count;
+    }
+    part = {};
+    for (size_t i = 1; i < count; ++i) {
+      part.merge(bins[i - 1]);
+      if (part.count == 0 || right_count[i] == 0) continue;
+      const uint32_t left_blocks = blocks(part.count), right_blocks = blocks(right_count[i]);
+      if (left_blocks + right_blocks > budget_) continue;
+      const float cost =
+          area_(part.box) * static_cast<float>(left_blocks) + right_area[i] * static_cast<float>(right_blocks);
+      if (best.bin == 0 || cost < best.cost) best = {cost, axis, static_cast<int>(i)};
+    }
   }
+
+ private:
+  uint32_t blocks(uint32_t primitives) const { return (primitives + leaf_size_ - 1) >> shift_; }
+
+  const BoxArea& area_;
+  uint32_t leaf_size_;
+  int shift_;
+  uint64_t budget_;
+};
+
+template <int count>
+std::optional<Split> find_split(std::span<const PrimitiveRef> refs, const Box& centres, uint32_t leaf_size,
+                                uint64_t block_budget) {
+  const BinGrid grid = make_grid(centres, count);
+  const auto all = reduce_chunks<Bins<count>>(refs.size(), [&](size_t begin, size_t end) {
+    Bins<count> part;
+    for (const PrimitiveRef& ref : refs.subspan(begin, end - begin)) part.add(box4(ref), grid);
+    return part;
+  });
+  const BoxArea area(box_of(all.bins[0]));
+  const Sweep sweep(area, leaf_size, block_budget);
+  Candidate best;
+  for (int axis = 0; axis < 3; ++axis) sweep.improve(axis, all.bins[axis], best);
+  if (best.bin == 0) return std::nullopt;
+  return Split{best.axis, best.bin, grid.axis(best.axis), double{best.cost} * area.unit()};
 }
 
 }  // namespace
 
-void RangeBounds::add(const PrimitiveRef& ref) {
-  box.extend(ref.min, ref.max);
-  centres.extend({ref.centre(0), ref.centre(1), ref.centre(2)});
-}
-
-void RangeBounds::merge(const RangeBounds& other) {
-  box.extend(other.box);
-  centres.extend(other.centres);
-}
-
 RangeBounds bounds_of(std::span<const PrimitiveRef> refs) {
-  return reduce_chunks<RangeBounds>(refs.size(), [&](size_t begin, size_t end) {
-    RangeBounds bounds;
-    for (const PrimitiveRef& ref : refs.subspan(begin, end - begin)) bounds.add(ref);
-    return bounds;
+  const auto bounds = reduce_chunks<Bounds4>(refs.size(), [&](size_t begin, size_t end) {
+    Bounds4 part;
+    for (const PrimitiveRef& ref : refs.subspan(begin, end - begin)) part.add(box4(ref));
+    return part;
   });
+  return {bounds.box.box(), bounds.centres.box()};
 }
 
 std::optional<Split> find_binned_split(std::span<const PrimitiveRef> refs, const Box& centres, uint32_t leaf_size,
                                        uint64_t block_budget) {
-  const int count = bin_count(refs.size());
-  const Axes axes{make_axis(centres, 0, count), make_axis(centres, 1, count), make_axis(centres, 2, count)};
-  const Bins bins = reduce_chunks<Bins>(refs.size(), [&](size_t begin, size_t end) {
-    Bins part;
-    for (const PrimitiveRef& ref : refs.subspan(begin, end - begin)) part.add(ref, axes);
-    return part;
-  });
-  std::optional<Split> best;
-  for (int axis = 0; axis < 3; ++axis)
-    sweep(bins.bins[axis], count, Split{axis, 0, axes[axis], 0}, leaf_size, block_budget, best);
-  return best;
+  if (refs.size() > 256) return find_split<32>(refs, centres, leaf_size, block_budget);
+  if (refs.size() > 64) return find_split<16>(refs, centres, leaf_size, block_budget);
+  return find_split<8>(refs, centres, leaf_size, block_budget);
 }
 
 }  // namespace rayloom::accel

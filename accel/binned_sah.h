@@ -15,15 +15,16 @@ inline uint64_t blocks_for(uint64_t primitives, uint32_t leaf_size) { return (pr
 /// Boxes of a range of primitives and of their centres.
 struct RangeBounds {
   Box box, centres;
-  void add(const PrimitiveRef& ref);
-  void merge(const RangeBounds& other);
 };
 RangeBounds bounds_of(std::span<const PrimitiveRef> refs);
 
-/// Bins of equal width over one axis of the centres' box. A flat axis maps everything to bin 0.
+/// Bins of equal width over one axis of the centres' box, in halves of coordinates, which do not overflow when
+/// subtracted. A flat axis maps everything to bin 0.
 struct BinAxis {
-  double low = 0, scale = 0;
-  int bin(float centre) const { return static_cast<int>((double{centre} - low) * scale); }
+  float low = 0, scale = 0;
+  int bin(const PrimitiveRef& ref, int axis) const {
+    return static_cast<int>(((0.25f * ref.min[axis] + 0.25f * ref.max[axis]) - low) * scale);
+  }
 };
 
 /// "Bin of the centre on `axis` below `bin`" goes left.
@@ -31,11 +32,12 @@ struct Split {
   int axis = 0;
   int bin = 0;
   BinAxis bins;
-  double cost = 0;
-  bool goes_left(const PrimitiveRef& ref) const { return bins.bin(ref.centre(axis)) < bin; }
+  double cost = 0;  ///< half areas of the parts times their leaf blocks, summed
+  bool goes_left(const PrimitiveRef& ref) const { return bins.bin(ref, axis) < bin; }
 };
 
 /// The cheapest split of `refs` into parts that fit `block_budget` leaf blocks together, if any candidate does.
+/// `leaf_size` is a power of two.
 std::optional<Split> find_binned_split(std::span<const PrimitiveRef> refs, const Box& centres, uint32_t leaf_size,
                                        uint64_t block_budget);
 

@@ -15,7 +15,8 @@ class BoxArea {
     const double extent = std::max({whole.extent(0), whole.extent(1), whole.extent(2)});
     const auto exponent = static_cast<int>(std::bit_cast<uint64_t>(extent) >> 52) - 1023;
     const int scale = std::clamp(-exponent, -129, 127);
-    scale_ = splat(static_cast<float>(std::bit_cast<double>(static_cast<uint64_t>(1023 + scale) << 52)));
+    scale_ = splat(static_cast<float>(power_of_two(scale)));
+    unit_ = power_of_two(-2 * scale);
   }
 
   float operator()(const Box4& box) const {
@@ -23,8 +24,16 @@ class BoxArea {
     return d[0] * d[1] + d[2] * (d[0] + d[1]);
   }
 
+  /// The half area that counts as 1.
+  double unit() const { return unit_; }
+
  private:
+  static double power_of_two(int exponent) {
+    return std::bit_cast<double>(static_cast<uint64_t>(1023 + exponent) << 52);
+  }
+
   Float4 scale_;
+  double unit_;
 };
 
 }  // namespace rayloom::accel

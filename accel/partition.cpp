@@ -26,6 +26,21 @@ size_t partition_chunks(std::span<PrimitiveRef> refs, std::span<PrimitiveRef> sc
   return left_count;
 }
 
+/// Writes each reference to both sides and keeps one: no branch to guess wrong. Leaves the same order as
+/// partition_chunks.
+size_t partition_in_order(std::span<PrimitiveRef> refs, std::span<PrimitiveRef> scratch, const Split& split) {
+  PrimitiveRef *left = refs.data(), *right = scratch.data();
+  for (const PrimitiveRef& from : refs) {
+    const PrimitiveRef ref = from;
+    const bool goes_left = split.goes_left(ref);
+    *left = *right = ref;
+    left += goes_left;
+    right += !goes_left;
+  }
+  std::copy(scratch.data(), right, left);
+  return static_cast<size_t>(left - refs.data());
+}
+
 int longest_axis(const Box& box) {
   int axis = 0;
   for (int k = 1; k < 3; ++k)
@@ -36,10 +51,8 @@ int longest_axis(const Box& box) {
 }  // namespace
 
 size_t partition_by_split(std::span<PrimitiveRef> refs, std::span<PrimitiveRef> scratch, const Split& split) {
-  if (refs.size() > chunk_size) return partition_chunks(refs, scratch, split);
-  const auto middle =
-      std::partition(refs.begin(), refs.end(), [&](const PrimitiveRef& r) { return split.goes_left(r); });
-  return static_cast<size_t>(middle - refs.begin());
+  if (refs.size() > chunk_size && thread_limit() > 1) return partition_chunks(refs, scratch, split);
+  return partition_in_order(refs, scratch, split);
 }
 
 size_t partition_by_median(std::span<PrimitiveRef> refs, const Box& centres, uint32_t leaf_size) {
