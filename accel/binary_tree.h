@@ -5,7 +5,6 @@
 #include <rayloom/accel/primitive_ref.h>
 
 #include <span>
-#include <vector>
 
 namespace rayloom::accel {
 
@@ -19,7 +18,7 @@ struct BinaryNode {
 };
 
 /// Slot 0 is the root. Slots are numbered by position, so some stay unused (count 0).
-using BinaryTree = std::vector<BinaryNode>;
+using BinaryTree = ScratchVector<BinaryNode>;
 
 struct BinaryBuildOptions {
   uint32_t leaf_size = 8;    ///< a range of at most this many primitives is one leaf

@@ -48,6 +48,9 @@ uint64_t refit_bottom_level(std::span<const AabbGeometry> geometries, const Buil
 uint64_t refit_top_level(std::span<const InstanceDesc> instances, AddressSpace addresses, const BuildSettings& settings,
                          const std::byte* source, std::span<std::byte> result);
 
+/// Builds keep up to 256 MiB of their scratch memory for the next build of the process. This gives it back.
+void release_build_scratch();
+
 /// What a finished block says of itself.
 struct StructureInfo {
   bool top_level = false;

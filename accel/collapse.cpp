@@ -67,7 +67,7 @@ ChildList Collapse::planned(uint32_t slot) const {
 
 /// The plan leaves room unused only where rounding made the choices look equal.
 void Collapse::absorb(ChildList& list) const {
-  for (uint32_t i = 0; i < list.count;) {
+  for (uint32_t i = 0; i < list.count && list.count < node_width;) {
     const uint32_t slot = list.slot[i];
     const ChildList inner = tree_[slot].is_leaf() ? ChildList{} : planned(slot);
     if (inner.count == 0 || list.count - 1 + inner.count > node_width) {

@@ -48,7 +48,7 @@ class Collapse {
 
   const BinaryTree& tree_;
   double area_scale_;
-  std::vector<Plan> plans_;
+  ScratchVector<Plan> plans_;
 };
 
 }  // namespace rayloom::accel

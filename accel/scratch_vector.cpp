@@ -1,22 +1,23 @@
+#include <rayloom/accel/build.h>
 #include <rayloom/accel/scratch_vector.h>
 
+#include <algorithm>
+#include <mutex>
 #include <new>
 
 #if defined(__linux__)
 #include <sys/mman.h>
 #endif
 
-namespace rayloom::accel::detail {
+namespace rayloom::accel {
 namespace {
 
 constexpr size_t huge_page = size_t{2} << 20;
+constexpr size_t most_kept = size_t{256} << 20;
 
-bool takes_huge_pages(size_t bytes) { return bytes >= huge_page; }
+size_t whole_pages(size_t bytes) { return (bytes + huge_page - 1) / huge_page * huge_page; }
 
-}  // namespace
-
-void* allocate_scratch(size_t bytes) {
-  if (!takes_huge_pages(bytes)) return ::operator new(bytes);
+void* allocate_pages(size_t bytes) {
   void* const memory = ::operator new (bytes, std::align_val_t{huge_page});
 #if defined(__linux__)
   madvise(memory, bytes, MADV_HUGEPAGE);  // a hint: failure costs time only
@@ -24,11 +25,88 @@ void* allocate_scratch(size_t bytes) {
   return memory;
 }
 
-void free_scratch(void* memory, size_t bytes) {
-  if (takes_huge_pages(bytes))
-    ::operator delete (memory, std::align_val_t{huge_page});
-  else
-    ::operator delete(memory);
+void free_pages(void* memory) { ::operator delete (memory, std::align_val_t{huge_page}); }
+
+/// Freed blocks for the next build, so that it need not wait for the system to clear new pages.
+class Pool {
+ public:
+  ~Pool() { release(); }
+
+  /// The smallest block that fits without wasting half of itself; null when there is none.
+  void* take(size_t bytes) {
+    const std::lock_guard lock(mutex_);
+    auto best = blocks_.end();
+    for (auto block = blocks_.begin(); block != blocks_.end(); ++block)
+      if (block->bytes >= bytes && block->bytes <= 2 * bytes && (best == blocks_.end() || block->bytes < best->bytes))
+        best = block;
+    if (best == blocks_.end()) return nullptr;
+    void* const memory = best->memory;
+    kept_ -= best->bytes;
+    in_use_.push_back(*best);
+    blocks_.erase(best);
+    return memory;
+  }
+
+  void add(void* memory, size_t bytes) {
+    const std::lock_guard lock(mutex_);
+    in_use_.push_back({memory, bytes});
+  }
+
+  void give_back(void* memory) {
+    const std::lock_guard lock(mutex_);
+    const auto found =
+        std::find_if(in_use_.begin(), in_use_.end(), [&](const Block& block) { return block.memory == memory; });
+    const Block block = *found;
+    in_use_.erase(found);
+    blocks_.push_back(block);
+    kept_ += block.bytes;
+    for (; kept_ > most_kept; blocks_.erase(blocks_.begin())) drop(blocks_.front());
+  }
+
+  void release() {
+    const std::lock_guard lock(mutex_);
+    for (const Block& block : blocks_) drop(block);
+    blocks_.clear();
+  }
+
+ private:
+  struct Block {
+    void* memory;
+    size_t bytes;
+  };
+  void drop(const Block& block) {
+    kept_ -= block.bytes;
+    free_pages(block.memory);
+  }
+
+  std::mutex mutex_;
+  std::vector<Block> blocks_, in_use_;  ///< oldest first
+  size_t kept_ = 0;
+};
+
+Pool& pool() {
+  static Pool instance;
+  return instance;
 }
 
-}  // namespace rayloom::accel::detail
+}  // namespace
+
+void* detail::allocate_scratch(size_t bytes) {
+  if (bytes < huge_page) return ::operator new(bytes);
+  const size_t pages = whole_pages(bytes);
+  if (void* const kept = pool().take(pages)) return kept;
+  void* const memory = allocate_pages(pages);
+  pool().add(memory, pages);
+  return memory;
+}
+
+void detail::free_scratch(void* memory, size_t bytes) {
+  if (bytes < huge_page)
+    ::operator delete(memory);
+  else
+    pool().give_back(memory);
+}
+
+void release_build_scratch() { pool().release(); }
+
+}  // namespace rayloom::accel

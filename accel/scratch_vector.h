@@ -1,7 +1,8 @@
 #pragma once
 
 // Vectors for a builder's large arrays: elements start uninitialised, and memory comes in huge pages where the system
-// has them, since a page fault costs about as much as building two triangles.
+// has them, and is kept for the next build, since clearing new pages took a fifth of a
+// fast build's time.
 
 #include <cstddef>
 #include <memory>

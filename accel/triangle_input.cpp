@@ -10,42 +10,6 @@
 namespace rayloom::accel {
 namespace {
 
-using Indices = std::array<uint32_t, 3>;
-
-template <class Index>
-Indices load_indices(const std::byte* indices, uint32_t triangle) {
-  Index index[3];
-  std::memcpy(index, indices + sizeof(index) * uint64_t{triangle}, sizeof(index));
-  return {index[0], index[1], index[2]};
-}
-
-Indices read_indices(const TriangleGeometry& geometry, uint32_t triangle) {
-  if (geometry.index_format == IndexFormat::uint16) return load_indices<uint16_t>(geometry.indices, triangle);
-  if (geometry.index_format == IndexFormat::uint32) return load_indices<uint32_t>(geometry.indices, triangle);
-  return {3 * triangle, 3 * triangle + 1, 3 * triangle + 2};
-}
-
-/// Row by row as one fixed chain of fused multiply-adds, so a shared vertex moves to the same place in each triangle.
-void apply(const float* transform, float (&p)[3]) {
-  const float x = p[0], y = p[1], z = p[2];
-  for (int row = 0; row < 3; ++row) {
-    const float* m = transform + 4 * row;
-    p[row] = std::fma(m[0], x, std::fma(m[1], y, std::fma(m[2], z, m[3])));
-  }
-}
-
-/// Only the low 32 bits of the stride count (BI-12).
-void read_vertex(const TriangleGeometry& geometry, uint32_t index, float (&p)[3]) {
-  std::memcpy(p, geometry.vertices + uint64_t{index} * static_cast<uint32_t>(geometry.vertex_stride), sizeof(p));
-  if (geometry.transform) apply(geometry.transform, p);
-}
-
-InputTriangle read_corners(const TriangleGeometry& geometry, const Indices& indices) {
-  InputTriangle corners;
-  for (int i = 0; i < 3; ++i) read_vertex(geometry, indices[i], corners.vertex[i]);
-  return corners;
-}
-
 void check_indices(const TriangleGeometry& geometry, uint32_t geometry_index, uint32_t triangle,
                    const Indices& indices) {
   for (const uint32_t index : indices)
@@ -70,16 +34,6 @@ bool is_active(const InputTriangle& corners) {
     for (const float x : vertex)
       if (!std::isfinite(x)) return false;
   return true;
-}
-
-InputTriangle read_triangle(const TriangleGeometry& geometry, uint32_t triangle) {
-  return read_corners(geometry, read_indices(geometry, triangle));
-}
-
-InputTriangle read_checked_triangle(const TriangleGeometry& geometry, uint32_t index, uint32_t triangle) {
-  const Indices indices = read_indices(geometry, triangle);
-  check_indices(geometry, index, triangle, indices);
-  return read_corners(geometry, indices);
 }
 
 PrimitiveRefs triangle_refs(std::span<const TriangleGeometry> geometries, bool keep_degenerate) {

@@ -2,21 +2,14 @@
 
 #include <rayloom/accel/build_input.h>
 #include <rayloom/accel/primitive_ref.h>
+#include <rayloom/accel/read_triangle.h>
 
 #include <optional>
 #include <vector>
 
 namespace rayloom::accel {
 
-/// Three corners as the build sees them, the geometry's transform applied.
-struct InputTriangle {
-  float vertex[3][3];
-};
-
-/// Triangle `triangle` of a geometry that check_geometries() accepts, its indices in range.
-InputTriangle read_triangle(const TriangleGeometry& geometry, uint32_t triangle);
-
-/// The same for any indices; throws InputError, naming geometry `index`, where one is out of range.
+/// read_triangle() for any indices; throws InputError, naming geometry `index`, where one is out of range.
 InputTriangle read_checked_triangle(const TriangleGeometry& geometry, uint32_t index, uint32_t triangle);
 
 /// False for triangles with a coordinate that is not finite: PR-01, PR-03, and, by our policy, PR-07 and BI-26.
