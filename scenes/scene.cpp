@@ -21,6 +21,32 @@ glm::vec3 sphere_extent(const Transform3x4& m) {
   return {row(0), row(4), row(8)};
 }
 
+Bounds object_bounds(const Mesh& mesh) {
+  Bounds bounds;
+  for (const Geometry& geometry : mesh.geometries) {
+    for (const glm::vec3& position : geometry.positions) bounds.add(position);
+  }
+  return bounds;
+}
+
+/// Whether no point of `object`, transformed in floats with all its roundings, can enlarge `world`.
+bool surely_inside(const Bounds& object, const Transform3x4& m, const Bounds& world) {
+  if (object.empty() || world.empty()) return false;
+  const glm::dvec3 low(object.min), high(object.max), center = 0.5 * (low + high), half = 0.5 * (high - low);
+  for (int axis = 0; axis < 3; ++axis) {
+    const float* row = &m[4 * static_cast<size_t>(axis)];
+    double middle = row[3], reach = 0, terms = std::fabs(row[3]);
+    for (int k = 0; k < 3; ++k) {
+      middle += static_cast<double>(row[k]) * center[k];
+      reach += std::fabs(row[k]) * half[k];
+      terms += std::fabs(row[k]) * (std::fabs(center[k]) + half[k]);
+    }
+    reach += 1e-6 * terms;  // six roundings of 6e-8
+    if (!(middle - reach > world.min[axis] && middle + reach < world.max[axis])) return false;
+  }
+  return true;
+}
+
 void add_instance(const Mesh& mesh, const Transform3x4& transform, Bounds& bounds) {
   for (const Geometry& geometry : mesh.geometries) {
     for (const glm::vec3& position : geometry.positions) bounds.add(transformed(transform, position));
@@ -38,8 +64,11 @@ void add_instance(const Mesh& mesh, const Transform3x4& transform, Bounds& bound
 }  // namespace
 
 Bounds world_bounds(const Scene& scene) {
+  std::vector<Bounds> objects;  // so that most of a forest's trees need not be looked at leaf by leaf
+  for (const Mesh& mesh : scene.meshes) objects.push_back(object_bounds(mesh));
   Bounds bounds;
   for (const Instance& instance : scene.instances) {
+    if (surely_inside(objects[instance.mesh], instance.transform, bounds)) continue;
     add_instance(scene.meshes[instance.mesh], instance.transform, bounds);
   }
   return bounds;

@@ -4,6 +4,7 @@
 #include <rayloom/base/error.h>
 #include <rayloom/base/parallel.h>
 #include <rayloom/base/version.h>
+#include <rayloom/scenes/procedural/registry.h>
 #include <rayloom/shaders/renderer.h>
 #include <rayloom/tools/channels.h>
 #include <rayloom/tools/cli.h>
@@ -63,7 +64,8 @@ void add_parsed(CLI::App& sub, const char* name, const char* type, const std::st
 }  // namespace
 
 void add_render_options(CLI::App& sub, RenderOptions& o) {
-  sub.add_option("SCENE", o.scene, "A glTF file (.gltf, .glb) or a procedural scene (cornell, spheres, atrium)")
+  sub.add_option("SCENE", o.scene,
+                 "A glTF file (.gltf, .glb) or a procedural scene: " + scenes::procedural_scene_names())
       ->required();
   add_parsed(sub, "--shader", "NAME", "Program: " + program_list() + " [path_tracer]",
              [&o](const std::string& text) { o.shader = check_program(text); });

@@ -1,6 +1,7 @@
 // rayloom scene SCENE: what a scene holds, without building or decoding anything.
 
 #include <rayloom/base/error.h>
+#include <rayloom/scenes/procedural/registry.h>
 #include <rayloom/scenes/summary.h>
 #include <rayloom/tools/cli.h>
 #include <rayloom/tools/report.h>
@@ -13,7 +14,8 @@ namespace {
 
 constexpr const char* examples =
     "  rayloom scene house.glb              counts, bounds, cameras, materials, warnings\n"
-    "  rayloom scene atrium --json          the same as JSON\n";
+    "  rayloom scene atrium --json          the same as JSON\n"
+    "  rayloom scene terrain:resolution=500  a procedural scene with a parameter\n";
 
 Json to_json(glm::vec3 v) { return {v.x, v.y, v.z}; }
 
@@ -173,7 +175,8 @@ void add_scene_command(CLI::App& app, CommonOptions& common, Action& action) {
   const auto scene = std::make_shared<std::string>();
   CLI::App* sub = add_subcommand(
       app, "scene",
-      "Say what a scene holds: counts, bounds, cameras, materials, lights, and what the importer skipped.", examples,
+      "Say what a scene holds: counts, bounds, cameras, materials, lights, and what the importer skipped.",
+      examples + ("\nProcedural scenes, as name or name:key=value,key=value:\n" + scenes::procedural_scene_help()),
       common);
   sub->add_option("SCENE", *scene, "A glTF file or a procedural scene")->required();
   sub->callback([=, &common, &action] { action = [=, &common] { return run_scene(*scene, common); }; });

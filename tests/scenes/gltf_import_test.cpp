@@ -4,6 +4,7 @@
 
 #include <rayloom/base/error.h>
 #include <rayloom/scenes/gltf/load_gltf.h>
+#include <rayloom/scenes/procedural/registry.h>
 
 #include <catch2/catch.hpp>
 
@@ -377,5 +378,5 @@ TEST_CASE("external buffers and images are found beside the file, with escapes i
 
 TEST_CASE("load_scene lists the procedural names when a file is missing") {
   CHECK_THROWS_WITH(load_scene("nothing"),
-                    "nothing: no such file, and no procedural scene; those are atrium, cornell, spheres, triangle");
+                    "nothing: no such file, and no procedural scene; those are " + procedural_scene_names());
 }

@@ -36,6 +36,21 @@ float smallest_distance(const std::vector<Instance>& trees) {
   return least;
 }
 
+/// Vertex by vertex.
+Bounds all_vertices(const Scene& scene) {
+  Bounds bounds;
+  for (const Instance& instance : scene.instances) {
+    const Transform3x4& m = instance.transform;
+    for (const Geometry& g : scene.meshes[instance.mesh].geometries) {
+      for (const glm::vec3& p : g.positions) {
+        bounds.add({m[0] * p.x + m[1] * p.y + m[2] * p.z + m[3], m[4] * p.x + m[5] * p.y + m[6] * p.z + m[7],
+                    m[8] * p.x + m[9] * p.y + m[10] * p.z + m[11]});
+      }
+    }
+  }
+  return bounds;
+}
+
 std::vector<Instance> trees_of(const Scene& scene) {
   return {scene.instances.begin() + 1, scene.instances.end()};  // the ground comes first
 }
@@ -116,6 +131,15 @@ TEST_CASE("forest: trees keep their distance from each other and from the path, 
     }
     CHECK(nearest < 0.5f);
     CHECK(std::fabs(height - trees[i].transform[7]) < 0.5f);
+  }
+}
+
+TEST_CASE("world bounds: instances that are skipped make no difference") {
+  for (const char* name : {"forest:trees=60", "forest:trees=61,seed=3", "atrium"}) {
+    const Scene scene = load_scene(name);
+    const Bounds fast = world_bounds(scene), slow = all_vertices(scene);
+    CHECK(fast.min == slow.min);
+    CHECK(fast.max == slow.max);
   }
 }
 
