@@ -107,49 +107,44 @@ class Interleaver {
     return *spare;
   }
 
-  /// The three lists' ends while a round files tasks; written back once, so that they stay in registers.
-  struct Filing {
-    explicit Filing(Interleaver& to)
-        : owner(to), nodes(to.nodes_->end()), leaves(to.leaves_->end()), others(to.others_->end()) {}
-    Filing(const Filing&) = delete;
-    Filing& operator=(const Filing&) = delete;
-    ~Filing() {
-      owner.nodes_->count = static_cast<uint32_t>(nodes - owner.nodes_->task);
-      owner.leaves_->count = static_cast<uint32_t>(leaves - owner.leaves_->task);
-      owner.others_->count = static_cast<uint32_t>(others - owner.others_->task);
-    }
-
-    /// Into the list of what the task needs next, without a branch.
-    [[gnu::always_inline]] void operator()(Task& task) {
-      const uint32_t ref = task.ref;
-      const bool inner = !node_ref::is_leaf(ref);
-      const bool triangles = !inner & (ref != level_end) & (!instances | task.in_triangles);
-      Prefetch{task.level->block}(ref == level_end ? 0 : ref);
-      *nodes = *leaves = *others = &task;
-      nodes += inner;
-      leaves += triangles;
-      others += !inner & !triangles;
-    }
-
-    Interleaver& owner;
+  /// The three lists' ends, in registers while a round files tasks.
+  struct Ends {
     Task **nodes, **leaves, **others;
   };
+  Ends ends() const { return {nodes_->end(), leaves_->end(), others_->end()}; }
+  void set_ends(const Ends& ends) {
+    nodes_->count = static_cast<uint32_t>(ends.nodes - nodes_->task);
+    leaves_->count = static_cast<uint32_t>(ends.leaves - leaves_->task);
+    others_->count = static_cast<uint32_t>(ends.others - others_->task);
+  }
+
+  /// Puts the task on the list of what it needs next, without a branch.
+  [[gnu::always_inline]] static Ends file(Task& task, Ends ends) {
+    const uint32_t ref = task.ref;
+    const bool inner = !node_ref::is_leaf(ref);
+    const bool triangles = !inner & (ref != level_end) & (!instances | task.in_triangles);
+    Prefetch{task.level->block}(ref == level_end ? 0 : ref);
+    *ends.nodes = *ends.leaves = *ends.others = &task;
+    return {ends.nodes + inner, ends.leaves + triangles, ends.others + (!inner & !triangles)};
+  }
+  void file(Task& task) { set_ends(file(task, ends())); }
 
   void visit_nodes() {
     const List& round = take(nodes_, spare_nodes_);
-    Filing file(*this);
+    Ends to = ends();
     for (uint32_t i = 0; i < round.count; ++i) {
       Task& task = *round.task[i];
       const Level& level = *task.level;
       const Node8& node = level.node(task.ref);
       push_children<order>(test_node(BoxLanes(level.ray), node, level.t_near, level.t_far), node, task.stack);
       task.pop();
-      file(task);
+      to = file(task, to);
     }
+    set_ends(to);
   }
 
   void visit_leaves(const List& round) {
-    Filing file(*this);
+    Ends to = ends();
     for (uint32_t i = 0; i < round.count; ++i) {
       Task& task = *round.task[i];
       Visitor none;
@@ -157,8 +152,9 @@ class Interleaver {
       const Offer offer = TriangleLeaves{task.rules}.visit(*task.level, lanes, task.address(), task.search, none);
       if (offer != Offer::rejected) note(offer, task);
       task.pop();
-      file(task);
+      to = file(task, to);
     }
+    set_ends(to);
   }
 
   void note(Offer offer, Task& task) {
@@ -188,7 +184,7 @@ class Interleaver {
       const TraceRequest& request = requests_[next_];
       task.result = &hits_[next_++];
       task.search = Search(request);
-      if (start(task, request)) return Filing(*this)(task);
+      if (start(task, request)) return file(task);
       *task.result = task.search.hit();
     }
   }
@@ -215,14 +211,14 @@ class Interleaver {
     } else {
       task.rules = rules_of(instance, request);
     }
-    Filing (*this)(task);
+    file(task);
   }
 
   void leave_instance(Task& task) {
     task.leave();
     if (order == Order::distance) drop_farther(task.stack, task.base, task.level->t_far);
     task.pop();
-    Filing (*this)(task);
+    file(task);
   }
 
   AddressSpace addresses_;

@@ -19,7 +19,7 @@ struct alignas(64) PreparedRay : Ray {
   // follow it cyclically; x' = x - shear[0] * z, y' = y - shear[1] * z looks along the ray.
   uint32_t axis[3];
   float ordered_origin[3];  ///< origin[axis[i]]
-  float shear[2];           ///< shear_double rounded to float
+  float shear[2];           ///< direction[axis[i]] / direction[axis[2]]
 
   // Boxes: entry = fma(near plane, reciprocal, near_offset), exit = fma(far plane, reciprocal, far_offset), per axis.
   // Finite for every ray, so the infinite planes of empty slots never pass. Fourth elements are there for vector
@@ -28,8 +28,6 @@ struct alignas(64) PreparedRay : Ray {
   float near_offset[4], far_offset[4];
   uint32_t near_row[4];  ///< first of the eight floats of the near planes in bounds[axis][side][lane]
 
-  double inverse_z;        ///< 1 / direction[axis[2]]
-  double shear_double[2];  ///< direction[axis[i]] * inverse_z
   double box_scale;
 
   bool valid;  ///< false: the ray misses everything (TR-17, TR-18) and the other members mean nothing

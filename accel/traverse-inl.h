@@ -18,6 +18,7 @@
 #include <rayloom/accel/search.h>
 #include <rayloom/accel/structure.h>
 #include <rayloom/accel/traversal_stack.h>
+#include <rayloom/accel/triangle_hit.h>
 
 #include <bit>
 #include <optional>
@@ -150,14 +151,16 @@ struct TriangleLeaves {
     float v[3][3];
     for (uint32_t vertex = 0; vertex < 3; ++vertex)
       for (uint32_t axis = 0; axis < 3; ++axis) v[vertex][axis] = leaf.coordinate(vertex, axis, lane);
-    return certain ? finish_triangle(ray, v[0], v[1], v[2], t_far) : intersect_triangle(ray, v[0], v[1], v[2], t_far);
+    TriangleEffort effort;
+    if (certain) return hit_of<true>(ray, {{v[0], v[1], v[2]}}, t_far, effort);
+    return intersect_triangle(ray, v[0], v[1], v[2], t_far);
   }
 
   template <class Visitor>
   Offer visit(const Level& level, const Lanes& lanes, const std::byte* address, Search& search,
               Visitor& visitor) const {
     const auto* leaf = reinterpret_cast<const TriangleLeaf*>(address);
-    const LeafMasks masks = test_triangles(lanes, *leaf);
+    const LeafMasks masks = test_triangles(lanes, *leaf, DepthInterval(level.ray, search.t()));
     uint32_t accepted = 0;
     Offer result = Offer::rejected;
     for (uint32_t left = masks.possible; left != 0 && result != Offer::ended; left &= left - 1) {

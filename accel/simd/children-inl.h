@@ -55,17 +55,21 @@ HWY_INLINE hn::Vec<Keys> sort_many(hn::Vec<Keys> keys) {
   return keys;
 }
 
-HWY_INLINE LaneMask lane_mask(uint32_t bits) {
-  const auto byte = static_cast<uint8_t>(bits);
-  return hn::LoadMaskBits(Floats(), &byte);
+/// The lanes of `values` in the mask moved down to the lowest lanes; `filler` above.
+HWY_INLINE hn::Vec<Keys> compress_over(hn::Vec<Keys> filler, hn::Vec<Keys> values, const NodeHits& hits) {
+#if HWY_TARGET == HWY_AVX3
+  return hn::Vec<Keys>{_mm256_mask_compress_epi32(filler.raw, hits.lanes.raw, values.raw)};
+#else
+  const Keys d;
+  const auto packed = hn::Compress(values, hn::RebindMask(d, hits.lanes));
+  return hn::IfThenElse(hn::FirstN(d, static_cast<size_t>(std::popcount(hits.mask))), packed, filler);
+#endif
 }
 
-/// The lanes of `keys` in `mask` moved down to the lowest lanes; -1, which is smaller than any key, above.
+/// Keys of the children met, then -1, which is smaller than any key.
 HWY_INLINE hn::Vec<Keys> compress_keys(const NodeHits& hits) {
   const Keys d;
-  const auto count = static_cast<int32_t>(std::popcount(hits.mask));
-  const auto packed = hn::Compress(hn::BitCast(d, hits.keys), hn::RebindMask(d, lane_mask(hits.mask)));
-  return hn::IfThenElse(hn::Lt(hn::Iota(d, 0), hn::Set(d, count)), packed, hn::Set(d, -1));
+  return compress_over(hn::Set(d, -1), hn::BitCast(d, hits.keys), hits);
 }
 
 /// Stores the references and distances that sorted keys stand for above the top of the stack.
@@ -79,9 +83,9 @@ HWY_INLINE void place_keys(hn::Vec<Keys> keys, const Node8& node, TraversalStack
 
 /// See scalar::push_in_order(). Leaves distances alone: any-hit rays never cull by them.
 HWY_INLINE void push_in_order(const NodeHits& hits, const Node8& node, TraversalStack& stack) {
-  const Words w;
-  const auto mask = hn::RebindMask(w, lane_mask(hits.mask));
-  hn::StoreU(hn::Compress(hn::Load(w, node.child), mask), w, stack.free_refs());
+  const Keys d;
+  const auto children = hn::BitCast(d, hn::Load(Words(), node.child));
+  hn::StoreU(hn::BitCast(Words(), compress_over(children, children, hits)), Words(), stack.free_refs());
   stack.grow(static_cast<uint32_t>(std::popcount(hits.mask)));
 }
 

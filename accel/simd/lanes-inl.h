@@ -11,6 +11,7 @@
 #endif
 // clang-format on
 
+#include <rayloom/accel/depth_interval.h>
 #include <rayloom/accel/layout.h>
 #include <rayloom/accel/prepared_ray.h>
 #include <rayloom/accel/simd/lane_masks.h>
@@ -91,6 +92,7 @@ HWY_INLINE BoxIntervals box_intervals(const BoxLanes& ray, const float* planes, 
 /// See scalar::NodeHits. A key is a rounded entry distance, which is not negative, with the lane in its low bits.
 struct NodeHits {
   uint32_t mask;
+  LaneMask lanes;  ///< the same
   WordLanes keys;
   HWY_INLINE void store_near(float (&out)[8]) const {
     hn::StoreU(hn::BitCast(Floats(), hn::And(keys, hn::Set(Words(), ~7u))), Floats(), out);
@@ -102,7 +104,8 @@ HWY_INLINE NodeHits test_node(const BoxLanes& ray, const Node8& node, float t_ne
   const Words w;
   const BoxIntervals intervals = box_intervals(ray, &node.bounds[0][0][0], t_near, t_far);
   const WordLanes rounded = hn::And(hn::BitCast(w, intervals.entry), hn::Set(w, ~7u));
-  return {mask_bits(hn::Le(intervals.entry, intervals.exit)), hn::Or(rounded, hn::Iota(w, 0))};
+  const LaneMask met = hn::Le(intervals.entry, intervals.exit);
+  return {mask_bits(met), met, hn::Or(rounded, hn::Iota(w, 0))};
 }
 
 /// See scalar::test_boxes().
@@ -167,21 +170,22 @@ HWY_INLINE FloatLanes edge_function(const ShearedVertex& a, const ShearedVertex&
 }
 
 /// The bound of scalar::filter_triangle().
-HWY_INLINE FloatLanes edge_bound(const ShearedVertex& a, const ShearedVertex& b, const ShearedVertex& c) {
+HWY_INLINE FloatLanes edge_bound(FloatLanes extent, FloatLanes depth) {
   const Floats d;
-  const FloatLanes extent = hn::Add(hn::Add(a.extent(), b.extent()), c.extent());
-  const FloatLanes depth = hn::Max(hn::Max(hn::Abs(a.z), hn::Abs(b.z)), hn::Abs(c.z));
   const FloatLanes wide = hn::MulAdd(hn::Set(d, 0x1p-21f), depth, extent);
   const FloatLanes slope = hn::MulAdd(hn::Set(d, 1.625f), extent, hn::Mul(hn::Set(d, 3.125f), depth));
   return hn::MulAdd(hn::Mul(wide, slope), hn::Set(d, 0x1p-24f), hn::Set(d, 0x1p-126f));
 }
 
 /// See scalar::test_triangles().
-HWY_INLINE LeafMasks test_triangles(const TriangleLanes& ray, const TriangleLeaf& leaf) {
+HWY_INLINE LeafMasks test_triangles(const TriangleLanes& ray, const TriangleLeaf& leaf, const DepthInterval& depths) {
+  const Floats d;
   const bool plain = leaf.slots > TriangleLeaf::table_slots;
   const auto [a, b, c] = HWY_UNLIKELY(plain) ? shear_plain(ray, leaf) : shear_table(ray, leaf);
   const FloatLanes ab = edge_function(a, b), bc = edge_function(b, c), ca = edge_function(c, a);
-  const FloatLanes bound = edge_bound(a, b, c);
+  const FloatLanes near = hn::Min(hn::Min(a.z, b.z), c.z), far = hn::Max(hn::Max(a.z, b.z), c.z);
+  const FloatLanes extent = hn::Add(hn::Add(a.extent(), b.extent()), c.extent());
+  const FloatLanes bound = edge_bound(extent, hn::Max(far, hn::Neg(near)));
   const FloatLanes below = hn::Neg(bound);
 
   // An edge function is NaN only if the bound is infinite or NaN, when no comparison holds; so the extremes may be
@@ -189,8 +193,12 @@ HWY_INLINE LeafMasks test_triangles(const TriangleLanes& ray, const TriangleLeaf
   const FloatLanes low = hn::Min(hn::Min(ab, bc), ca), high = hn::Max(hn::Max(ab, bc), ca);
   const LaneMask missed = hn::And(hn::Gt(high, bound), hn::Lt(low, below));
   const LaneMask hit = hn::Or(hn::Gt(low, bound), hn::Lt(high, below));
-  const uint32_t used = leaf.used_mask();
-  return {used & ~mask_bits(missed), used & mask_bits(hit)};
+  const LaneMask outside =
+      hn::Or(hn::Gt(near, hn::Set(d, depths.outer_high)), hn::Lt(far, hn::Set(d, depths.outer_low)));
+  const LaneMask inside =
+      hn::And(hn::Gt(near, hn::Set(d, depths.inner_low)), hn::Lt(far, hn::Set(d, depths.inner_high)));
+  const uint32_t used = leaf.used_mask() & ~mask_bits(outside);
+  return {used & ~mask_bits(missed), used & mask_bits(hit), used & mask_bits(inside)};
 }
 
 #endif  // HWY_TARGET

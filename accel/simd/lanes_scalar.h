@@ -2,6 +2,7 @@
 
 // The lane tests in plain C++: the oracle of lanes-inl.h, bit for bit, and the kernel of CPUs without AVX2.
 
+#include <rayloom/accel/depth_interval.h>
 #include <rayloom/accel/layout.h>
 #include <rayloom/accel/prepared_ray.h>
 #include <rayloom/accel/simd/lane_masks.h>
@@ -80,10 +81,12 @@ inline uint32_t test_boxes(const BoxLanes& lanes, const ProceduralLeaf8& leaf, f
   return mask;
 }
 
-/// The three edge functions of a triangle in the ray's sheared frame (01, 12, 20) and a bound on the error of each.
+/// The three edge functions of a triangle in the ray's sheared frame (01, 12, 20), a bound on the error of each, and
+/// the depths between which the triangle lies.
 struct EdgeFilter {
   float edge[3];
   float bound;
+  float low, high;
 };
 
 inline EdgeFilter filter_triangle(const PreparedRay& ray, const TriangleLeaf& leaf, uint32_t lane) {
@@ -95,24 +98,29 @@ inline EdgeFilter filter_triangle(const PreparedRay& ray, const TriangleLeaf& le
   }
   const float extent =
       ((std::fabs(x[0]) + std::fabs(y[0])) + (std::fabs(x[1]) + std::fabs(y[1]))) + (std::fabs(x[2]) + std::fabs(y[2]));
-  const float depth = max_lane(max_lane(std::fabs(z[0]), std::fabs(z[1])), std::fabs(z[2]));
+  const float low = min_lane(min_lane(z[0], z[1]), z[2]), high = max_lane(max_lane(z[0], z[1]), z[2]);
+  const float depth = max_lane(high, -low);
   // docs/numerics.md, "The float filter": the unscaled product overflows before any product of an edge function can.
   const float product = std::fma(0x1p-21f, depth, extent) * std::fma(1.625f, extent, 3.125f * depth);
   return {{std::fma(x[0], y[1], -(y[0] * x[1])), std::fma(x[1], y[2], -(y[1] * x[2])),
            std::fma(x[2], y[0], -(y[2] * x[0]))},
-          std::fma(product, 0x1p-24f, 0x1p-126f)};
+          std::fma(product, 0x1p-24f, 0x1p-126f),
+          low,
+          high};
 }
 
-inline LeafMasks test_triangles(const TriangleLanes& lanes, const TriangleLeaf& leaf) {
+inline LeafMasks test_triangles(const TriangleLanes& lanes, const TriangleLeaf& leaf, const DepthInterval& depths) {
   LeafMasks masks;
   for (uint32_t lane = 0; lane < leaf.count; ++lane) {
-    const auto [e, bound] = filter_triangle(*lanes.ray, leaf, lane);
+    const auto [e, bound, low, high] = filter_triangle(*lanes.ray, leaf, lane);
+    if (low > depths.outer_high || high < depths.outer_low) continue;
     const bool some_above = e[0] > bound || e[1] > bound || e[2] > bound;
     const bool some_below = e[0] < -bound || e[1] < -bound || e[2] < -bound;
     const bool all_above = e[0] > bound && e[1] > bound && e[2] > bound;
     const bool all_below = e[0] < -bound && e[1] < -bound && e[2] < -bound;
     masks.possible |= uint32_t{!(some_above && some_below)} << lane;
     masks.certain |= uint32_t{all_above || all_below} << lane;
+    masks.inside |= uint32_t{low > depths.inner_low && high < depths.inner_high} << lane;
   }
   return masks;
 }

@@ -1,4 +1,4 @@
-// prepare_ray() on vectors of four doubles, one lane an axis. The operations and their order are those of
+// prepare_ray() on vectors of four, one lane an axis. The operations and their order are those of
 // prepared_ray.cpp, so every bit is equal. Re-included once per target as lanes-inl.h is.
 
 // clang-format off: the guard flips for each target.
@@ -25,7 +25,6 @@ namespace HWY_NAMESPACE {
 using Axes = hn::FixedTag<float, 4>;
 using AxisWords = hn::FixedTag<uint32_t, 4>;
 using WideAxes = hn::FixedTag<double, 4>;
-using WideVector = hn::Vec<WideAxes>;
 
 /// Three floats; the fourth lane repeats the first, so that it can neither raise a maximum nor be a subnormal.
 HWY_INLINE hn::Vec<Axes> load_axes(const float* three) {
@@ -34,61 +33,54 @@ HWY_INLINE hn::Vec<Axes> load_axes(const float* three) {
   return hn::TableLookupLanes(hn::LoadU(d, three), hn::SetTableIndices(d, first_again));
 }
 
-HWY_INLINE double largest_lane(WideVector v) {
-  const hn::Half<WideAxes> half;
-  const auto pair = hn::Max(hn::LowerHalf(half, v), hn::UpperHalf(half, v));
-  return hn::GetLane(hn::Max(pair, hn::Shuffle01(pair)));
+HWY_INLINE float largest_lane(hn::Vec<Axes> v) {
+  v = hn::Max(v, hn::Shuffle1032(v));
+  return hn::GetLane(hn::Max(v, hn::Shuffle2301(v)));
 }
 
-HWY_INLINE void prepare_shear_lanes(PreparedRay& out, double box_magnitude, double box_direction) {
-  // The reciprocal of the dominant component is the boxes' up to a power of two.
-  out.inverse_z = std::copysign(box_magnitude * box_direction, double{out.direction[out.axis[2]]});
-  for (int i = 0; i < 3; ++i) out.ordered_origin[i] = out.origin[out.axis[i]];
-  for (int i = 0; i < 2; ++i) {
-    out.shear_double[i] = double{out.direction[out.axis[i]]} * out.inverse_z;
-    out.shear[i] = static_cast<float>(out.shear_double[i]);
-  }
+/// See accel::traceable().
+HWY_INLINE bool traceable_lanes(const Ray& ray, hn::Vec<Axes> origin, hn::Vec<Axes> direction) {
+  const Axes d;
+  const auto infinity = hn::Set(d, std::numeric_limits<float>::infinity());
+  const auto finite = hn::And(hn::Lt(hn::Abs(origin), infinity), hn::Lt(hn::Abs(direction), infinity));
+  const bool moves = !hn::AllFalse(d, hn::Ne(direction, hn::Zero(d)));
+  return hn::AllTrue(d, finite) & moves & (ray.t_min >= 0) & (ray.t_min <= ray.t_max);
 }
 
 /// See prepare_ray(); the header's bounds are followed by other members, so whole vectors may be read.
 HWY_INLINE void prepare_lanes(const Ray& ray, const StructureHeader& header, float pad_scale, PreparedRay& out) {
-  const WideAxes w;
   const Axes d;
   static_cast<Ray&>(out) = ray;
-  out.valid = traceable(ray);
+  const hn::Vec<Axes> origin = load_axes(ray.origin), direction = load_axes(ray.direction);
+  out.valid = traceable_lanes(ray, origin, direction);
   if (!out.valid) return;
   order_axes(out);
+  for (int i = 0; i < 3; ++i) out.ordered_origin[i] = ray.origin[out.axis[i]];
+  for (int i = 0; i < 2; ++i) out.shear[i] = ray.direction[out.axis[i]] / ray.direction[out.axis[2]];
 
-  const hn::Vec<Axes> narrow_direction = load_axes(ray.direction);
-  const WideVector origin = hn::PromoteTo(w, load_axes(ray.origin)), direction = hn::PromoteTo(w, narrow_direction);
-  const WideVector low = hn::PromoteTo(w, load_axes(header.bounds_min));
-  const WideVector high = hn::PromoteTo(w, load_axes(header.bounds_max));
-  const WideVector reach = hn::Max(hn::Abs(hn::Sub(low, origin)), hn::Abs(hn::Sub(high, origin)));
-  const double largest = largest_lane(hn::Max(hn::Abs(origin), hn::Max(hn::Abs(low), hn::Abs(high))));
+  const hn::Vec<Axes> low = load_axes(header.bounds_min), high = load_axes(header.bounds_max);
+  const hn::Vec<Axes> reach = hn::Max(hn::Abs(hn::Sub(low, origin)), hn::Abs(hn::Sub(high, origin)));
+  const float largest = largest_lane(hn::Max(hn::Abs(origin), hn::Max(hn::Abs(low), hn::Abs(high))));
   const BoxScale scale = box_scale_of(out, largest, largest_lane(reach), pad_scale);
 
-  const WideVector component = hn::Mul(direction, hn::Set(w, scale.direction));
-  const WideVector magnitude = hn::Div(hn::Set(w, 1.0), hn::Max(hn::Abs(component), hn::Set(w, scale.shortest)));
-  const hn::Vec<Axes> narrow = hn::CopySign(hn::DemoteTo(d, magnitude), narrow_direction);
-  hn::Store(narrow, d, out.reciprocal);
+  const WideAxes w;
+  const hn::Vec<Axes> component = hn::DemoteTo(d, hn::Mul(hn::PromoteTo(w, direction), hn::Set(w, scale.direction)));
+  const hn::Vec<Axes> magnitude = hn::Div(hn::Set(d, 1.0f), hn::Max(hn::Abs(component), hn::Set(d, scale.shortest)));
+  const hn::Vec<Axes> reciprocal = hn::CopySign(magnitude, direction);
+  hn::Store(reciprocal, d, out.reciprocal);
 
-  const WideVector reciprocal = hn::PromoteTo(w, narrow);
-  const WideVector sizes = hn::Add(hn::Mul(hn::Set(w, 4.0), reach), hn::Mul(hn::Set(w, 2.0), hn::Abs(origin)));
-  const WideVector pad = hn::Add(hn::Mul(hn::Set(w, float_unit), sizes), hn::Set(w, scale.common_pad));
-  const WideVector centre = hn::Mul(hn::Neg(origin), reciprocal), width = hn::Mul(pad, hn::Abs(reciprocal));
-  const auto bounded = hn::Le(pad, hn::Set(w, scale.largest_pad));
-  const WideVector all = hn::Set(w, double{pass_all});
-  hn::Store(hn::DemoteTo(d, hn::IfThenElse(bounded, hn::Sub(centre, width), hn::Neg(all))), d, out.near_offset);
-  hn::Store(hn::DemoteTo(d, hn::IfThenElse(bounded, hn::Add(centre, width), all)), d, out.far_offset);
+  const hn::Vec<Axes> pad =
+      hn::Add(hn::Mul(hn::Set(d, 4 * float_unit), hn::Add(reach, hn::Abs(origin))), hn::Set(d, scale.common_pad));
+  const hn::Vec<Axes> centre = hn::Mul(hn::Neg(origin), reciprocal), width = hn::Mul(pad, magnitude);
+  const auto bounded = hn::Le(pad, hn::Set(d, scale.largest_pad));
+  const hn::Vec<Axes> all = hn::Set(d, pass_all);
+  hn::Store(hn::IfThenElse(bounded, hn::Sub(centre, width), hn::Neg(all)), d, out.near_offset);
+  hn::Store(hn::IfThenElse(bounded, hn::Add(centre, width), all), d, out.far_offset);
 
   const AxisWords u;
   alignas(16) static constexpr uint32_t rows[] = {0, 16, 32, 0};
-  const auto side = hn::ShiftLeft<3>(hn::ShiftRight<31>(hn::BitCast(u, narrow_direction)));
+  const auto side = hn::ShiftLeft<3>(hn::ShiftRight<31>(hn::BitCast(u, direction)));
   hn::Store(hn::Add(hn::Load(u, rows), side), u, out.near_row);
-
-  alignas(32) double magnitudes[4];
-  hn::Store(magnitude, w, magnitudes);
-  prepare_shear_lanes(out, magnitudes[out.axis[2]], scale.direction);
 }
 
 #endif  // HWY_TARGET

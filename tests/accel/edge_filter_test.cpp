@@ -92,7 +92,9 @@ TEST_CASE("the filters' bounds hold and are not absurdly wide", "[oracle]") {
       const ExactEdgeFunctions exact = exact_edge_functions(c);
       INFO(test::family_name(family) << " case " << i);
       // An infinite or NaN bound decides nothing; any other covers infinite edge functions by their sign alone.
-      const auto [edge, bound] = float_filter(c, ray);
+      const scalar::EdgeFilter filter = float_filter(c, ray);
+      const auto& edge = filter.edge;
+      const float bound = filter.bound;
       if (std::isfinite(bound)) {
         for (int k = 0; k < 3; ++k) {
           if (std::isinf(edge[k])) REQUIRE(sgn(exact.edge[k]) == (edge[k] > 0 ? 1 : -1));

@@ -22,7 +22,7 @@ namespace rayloom::accel {
 struct LaneFunctions {
   uint32_t (*node)(const PreparedRay&, const Node8&, float t_near, float t_far, float near_out[8]);
   uint32_t (*boxes)(const PreparedRay&, const ProceduralLeaf8&, float t_near, float t_far);
-  LeafMasks (*triangles)(const PreparedRay&, const TriangleLeaf&);
+  LeafMasks (*triangles)(const PreparedRay&, const TriangleLeaf&, float t_far);
   void (*prepare)(const Ray&, const StructureHeader&, float pad_scale, PreparedRay&);
   void (*push)(const PreparedRay&, const Node8&, float t_near, float t_far, bool by_distance, TraversalStack&);
   void (*drop)(TraversalStack&, uint32_t base, float t_far);
@@ -50,8 +50,8 @@ uint32_t run_boxes(const PreparedRay& ray, const ProceduralLeaf8& leaf, float t_
   return test_boxes(BoxLanes(ray), leaf, t_near, t_far);
 }
 
-LeafMasks run_triangles(const PreparedRay& ray, const TriangleLeaf& leaf) {
-  return test_triangles(TriangleLanes(ray), leaf);
+LeafMasks run_triangles(const PreparedRay& ray, const TriangleLeaf& leaf, float t_far) {
+  return test_triangles(TriangleLanes(ray), leaf, DepthInterval(ray, t_far));
 }
 
 void run_prepare(const Ray& ray, const StructureHeader& header, float pad_scale, PreparedRay& out) {
@@ -234,11 +234,14 @@ TEST_CASE("triangle filters give the same masks on every target", "[unit]") {
     int certain = 0, undecided = 0;
     for (int i = 0; i < 100000; ++i) {
       const test::LeafCase c = test::random_leaf_case(random);
-      const LeafMasks expected = scalar::test_triangles(scalar::TriangleLanes(c.ray), c.leaf);
-      const LeafMasks masks = target.functions.triangles(c.ray, c.leaf);
+      const float t_far = random.chance(2) ? c.ray.t_max : std::fabs(random.scaled(-10, 10));
+      const DepthInterval depths(c.ray, t_far);
+      const LeafMasks expected = scalar::test_triangles(scalar::TriangleLanes(c.ray), c.leaf, depths);
+      const LeafMasks masks = target.functions.triangles(c.ray, c.leaf, t_far);
       INFO(target.name << ", case " << i);
       REQUIRE(masks.possible == expected.possible);
       REQUIRE(masks.certain == expected.certain);
+      REQUIRE(masks.inside == expected.inside);
       REQUIRE((masks.certain & ~masks.possible) == 0);
       REQUIRE((masks.possible & c.unused_lanes) == 0);
       certain += std::popcount(masks.certain);
@@ -256,11 +259,14 @@ TEST_CASE("vertex tables are looked up in the same way on every target", "[unit]
     int certain = 0;
     for (int i = 0; i < 100000; ++i) {
       test::TableLeafCase c = test::random_table_leaf_case(random);
-      const LeafMasks expected = scalar::test_triangles(scalar::TriangleLanes(c.ray), c.leaf());
-      const LeafMasks masks = target.functions.triangles(c.ray, c.leaf());
+      const float t_far = random.chance(2) ? c.ray.t_max : std::fabs(random.scaled(-10, 10));
+      const DepthInterval depths(c.ray, t_far);
+      const LeafMasks expected = scalar::test_triangles(scalar::TriangleLanes(c.ray), c.leaf(), depths);
+      const LeafMasks masks = target.functions.triangles(c.ray, c.leaf(), t_far);
       INFO(target.name << ", case " << i);
       REQUIRE(masks.possible == expected.possible);
       REQUIRE(masks.certain == expected.certain);
+      REQUIRE(masks.inside == expected.inside);
       certain += std::popcount(masks.certain);
     }
     CHECK(certain > 1000);

@@ -131,7 +131,7 @@ void count_doubt(const PreparedRay& ray, const std::vector<Triangle>& mesh, size
       for (int k = 0; k < 3; ++k) leaf.vertex[k][vertex][lane] = mesh[first + lane % count][vertex][k];
     }
   }
-  const LeafMasks masks = scalar::test_triangles(scalar::TriangleLanes(ray), leaf);
+  const LeafMasks masks = scalar::test_triangles(scalar::TriangleLanes(ray), leaf, DepthInterval(ray, ray.t_max));
   doubt.lanes += count;
   for (size_t lane = 0; lane < count; ++lane) {
     if ((masks.possible & ~masks.certain) >> lane & 1) {
