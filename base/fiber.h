@@ -15,7 +15,7 @@ namespace rayloom {
 ///  * Do not yield inside a catch handler. Go on in another thread only where no frame of the fiber keeps anything that
 ///  belongs to a thread.
 ///  * A fiber starts in the fixed FloatEnvironment and keeps its own rounding, masks and flush modes; the caller's are
-///  back after each switch. The exception flags belong to the thread.
+///  back after each switch. Exception flags and the x87 belong to the thread.
 ///  * Destroying a fiber that has not finished drops its frames without running destructors.
 /// Fibers may resume other fibers. A moved-from fiber may only be destroyed or assigned to.
 class Fiber {

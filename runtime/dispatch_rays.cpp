@@ -187,22 +187,24 @@ DispatchReport dispatch_rays(const DispatchCommand& command, const DispatchOptio
   const ShaderMemory view = memory.shader_memory();
   const DISPATCH_RAYS_DESC& desc = command.desc;
   const GPU_VIRTUAL_ADDRESS_RANGE& first = desc.RayGenerationShaderRecord;
-  return run_grid({.command = command,
-                   .pipeline = command.state_object->pipeline(),
-                   .memory = memory,
-                   .shader_memory = view,
-                   .tracer = options.tracer,
-                   .structures = structures,
-                   .log = log,
-                   .mode = choose_mode(command, options),
-                   .warp_size = options.warp_size,
-                   .fiber_stack_bytes = fiber_stack_bytes(command, options),
-                   .observed = options.tracer && options.tracer->observes_shaders(),
-                   .validates = log.enabled(),
-                   .ray_generation = {view, {first.StartAddress, first.SizeInBytes, 0}, ExportKind::ray_generation},
-                   .miss = {view, desc.MissShaderTable, ExportKind::miss},
-                   .hit_groups = {view, desc.HitGroupTable, ExportKind::hit_group},
-                   .callables = {view, desc.CallableShaderTable, ExportKind::callable}});
+  const Pipeline& pipeline = command.state_object->pipeline();
+  return run_grid(
+      {.command = command,
+       .pipeline = pipeline,
+       .memory = memory,
+       .shader_memory = view,
+       .tracer = options.tracer,
+       .structures = structures,
+       .log = log,
+       .mode = choose_mode(command, options),
+       .warp_size = options.warp_size,
+       .fiber_stack_bytes = fiber_stack_bytes(command, options),
+       .observed = options.tracer && options.tracer->observes_shaders(),
+       .validates = log.enabled(),
+       .ray_generation = {view, pipeline, {first.StartAddress, first.SizeInBytes, 0}, ExportKind::ray_generation},
+       .miss = {view, pipeline, desc.MissShaderTable, ExportKind::miss},
+       .hit_groups = {view, pipeline, desc.HitGroupTable, ExportKind::hit_group},
+       .callables = {view, pipeline, desc.CallableShaderTable, ExportKind::callable}});
 }
 
 }  // namespace detail

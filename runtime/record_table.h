@@ -10,7 +10,8 @@
 namespace rayloom::detail {
 
 struct RecordTable {
-  RecordTable(const ShaderMemory& memory, const GPU_VIRTUAL_ADDRESS_RANGE_AND_STRIDE& table, ExportKind table_kind);
+  RecordTable(const ShaderMemory& memory, const Pipeline& pipeline, const GPU_VIRTUAL_ADDRESS_RANGE_AND_STRIDE& table,
+              ExportKind table_kind);
 
   /// Address of a record; 0 when its identifier is not all inside the table and committed memory.
   uint64_t locate(const ShaderMemory& memory, uint64_t index) const;
@@ -20,6 +21,7 @@ struct RecordTable {
   GPU_VIRTUAL_ADDRESS_RANGE_AND_STRIDE range;
   ExportKind kind;
   const std::byte* host = nullptr;  ///< of record 0
+  const Export* first = nullptr;    ///< what record 0 names; null where select_record() must find out
   uint64_t checked = 0;             ///< how many records from the first are known to lie in committed memory
 };
 

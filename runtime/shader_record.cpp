@@ -38,12 +38,14 @@ uint32_t RecordTable::local_bytes(uint64_t record_address) const {
   return static_cast<uint32_t>(std::min(rest, own));
 }
 
-RecordTable::RecordTable(const ShaderMemory& memory, const GPU_VIRTUAL_ADDRESS_RANGE_AND_STRIDE& table,
-                         ExportKind table_kind)
+RecordTable::RecordTable(const ShaderMemory& memory, const Pipeline& pipeline,
+                         const GPU_VIRTUAL_ADDRESS_RANGE_AND_STRIDE& table, ExportKind table_kind)
     : range(table), kind(table_kind) {
   if (!locate(memory, 0) || !memory.committed_all(table.StartAddress, table.SizeInBytes)) return;
   host = memory.host(table.StartAddress, SHADER_IDENTIFIER_SIZE_IN_BYTES);
   checked = table.StrideInBytes ? table.SizeInBytes / table.StrideInBytes : std::numeric_limits<uint64_t>::max();
+  const Export* const named = pipeline.find(host);
+  if (named && named->kind == kind) first = named;
 }
 
 SelectedRecord select_unusual_record(const Lane& lane, const RecordTable& table, uint64_t index) {

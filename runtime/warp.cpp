@@ -28,10 +28,13 @@ uintptr_t thread_stack_limit() {
 
 void run_ray_generation(Lane& lane) {
   const RecordTable& table = lane.dispatch().ray_generation;
-  const SelectedRecord selected = select_record(lane, table, 0);
-  if (!selected.target) return;
-  Invocation invocation{&lane, nullptr, nullptr, 0, {&table, selected.address}};
-  run_shader(invocation, selected.target->index, nullptr, nullptr);
+  const Export* target = table.first;
+  if (!target) [[unlikely]] {
+    target = select_record(lane, table, 0).target;
+    if (!target) return;
+  }
+  Invocation invocation{&lane, nullptr, nullptr, 0, {&table, table.range.StartAddress}};
+  run_shader(invocation, target->index, nullptr, nullptr);
 }
 
 /// A lane from beginning to end; nothing is thrown out of it.
