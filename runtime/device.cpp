@@ -54,7 +54,7 @@ ShaderMemoryScope::ShaderMemoryScope(const Device& device) : outer_(detail::shad
 
 Device::Device(DeviceOptions options)
     : memory_(std::make_shared<DeviceMemory>(options.address_space_bytes)),
-      validation_(std::move(options.validation)) {}
+      validation_(std::make_shared<ValidationCallback>(std::move(options.validation))) {}
 
 void Device::check_alive() const {
   if (!removed_reason_.empty()) throw DeviceRemoved(removed_reason_);
@@ -62,7 +62,7 @@ void Device::check_alive() const {
 
 std::shared_ptr<const StateObject> Device::CreateStateObject(const STATE_OBJECT_DESC& desc) {
   check_alive();
-  return std::make_shared<const StateObject>(desc);
+  return std::make_shared<const StateObject>(desc, validation_);
 }
 
 RAYTRACING_ACCELERATION_STRUCTURE_PREBUILD_INFO Device::GetRaytracingAccelerationStructurePrebuildInfo(
@@ -72,7 +72,7 @@ RAYTRACING_ACCELERATION_STRUCTURE_PREBUILD_INFO Device::GetRaytracingAcceleratio
 
 ExecutionReport Device::execute(const CommandList& list, const DispatchOptions& options) {
   check_alive();
-  detail::ValidationLog log(validation_);
+  detail::ValidationLog log(*validation_);
   Executor executor(*memory_, options, log);
   try {
     for (const detail::Command& command : list.commands()) {

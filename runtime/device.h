@@ -49,8 +49,8 @@ class Device {
 
   accel::AddressSpace addresses() const { return memory_->addresses(); }
   const DeviceMemory& memory() const { return *memory_; }
-  void set_validation_callback(ValidationCallback callback) { validation_ = std::move(callback); }
-  const ValidationCallback& validation_callback() const { return validation_; }
+  void set_validation_callback(ValidationCallback callback) { *validation_ = std::move(callback); }
+  const ValidationCallback& validation_callback() const { return *validation_; }
   /// Why the device was removed; empty while it is alive (ERR-01).
   const std::string& GetDeviceRemovedReason() const { return removed_reason_; }
 
@@ -58,7 +58,7 @@ class Device {
   void check_alive() const;
 
   std::shared_ptr<DeviceMemory> memory_;
-  ValidationCallback validation_;
+  std::shared_ptr<ValidationCallback> validation_;  ///< state objects speak to it too
   std::string removed_reason_;
 };
 

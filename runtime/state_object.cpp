@@ -2,6 +2,8 @@
 #include <rayloom/runtime/state_object.h>
 
 #include <algorithm>
+#include <string>
+#include <utility>
 
 namespace rayloom {
 namespace {
@@ -16,8 +18,9 @@ uint32_t part_of(const detail::HitGroup& group, std::string_view part) {
 
 }  // namespace
 
-StateObject::StateObject(const STATE_OBJECT_DESC& desc)
+StateObject::StateObject(const STATE_OBJECT_DESC& desc, std::shared_ptr<const ValidationCallback> validation)
     : pipeline_(std::make_unique<const detail::Pipeline>(detail::resolve_pipeline(desc))),
+      validation_(std::move(validation)),
       stack_size_(pipeline_->default_stack_bytes()) {}
 
 StateObject::~StateObject() = default;
@@ -41,7 +44,11 @@ uint64_t StateObject::GetShaderStackSize(std::string_view export_name) const {
 }
 
 void StateObject::SetPipelineStackSize(uint64_t bytes) const {
-  if (bytes < invalid_stack_size) stack_size_.store(bytes, std::memory_order_relaxed);
+  if (bytes < invalid_stack_size) return stack_size_.store(bytes, std::memory_order_relaxed);
+  if (validation_ && *validation_)
+    (*validation_)({.id = "ERR-04",
+                    .text = "SetPipelineStackSize: " + std::to_string(bytes) +
+                            " bytes are no stack size; it stays at " + std::to_string(GetPipelineStackSize())});
 }
 
 uint32_t StateObject::local_root_bytes(std::string_view export_name) const {

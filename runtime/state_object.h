@@ -4,6 +4,7 @@
 // but for its pipeline stack size; safe to share between threads and dispatches.
 
 #include <rayloom/runtime/state_object_desc.h>
+#include <rayloom/runtime/validation.h>
 
 #include <array>
 #include <atomic>
@@ -26,7 +27,8 @@ struct Pipeline;
 class StateObject {
  public:
   /// Throws InputError naming the subobject and the checklist row it breaks; nothing is created then (SO-02).
-  explicit StateObject(const STATE_OBJECT_DESC& desc);
+  /// `validation` is told what is ignored later; Device::CreateStateObject gives the device's.
+  explicit StateObject(const STATE_OBJECT_DESC& desc, std::shared_ptr<const ValidationCallback> validation = nullptr);
   ~StateObject();
 
   /// Null for unknown names and for shaders that are only parts of hit groups (SID-03, SID-04).
@@ -34,8 +36,8 @@ class StateObject {
   /// Hit groups: "group::intersection", "group::anyhit", "group::closesthit" (SID-08).
   uint64_t GetShaderStackSize(std::string_view export_name) const;
   uint64_t GetPipelineStackSize() const { return stack_size_.load(std::memory_order_relaxed); }
-  /// Ignored when 0xffffffff or more (SID-13). The size counts in the bytes GetShaderStackSize gives, and is enforced:
-  /// a chain of shaders that needs more removes the device (RC-05).
+  /// Ignored, with a validation message, when 0xffffffff or more (SID-13, ERR-04). The size counts in the bytes
+  /// GetShaderStackSize gives, and is enforced: a chain of shaders that needs more removes the device (RC-05).
   void SetPipelineStackSize(uint64_t bytes) const;
 
   /// Bytes of local root arguments the export's records carry; 0 without a local root signature, or for unknown names.
@@ -45,6 +47,7 @@ class StateObject {
 
  private:
   std::unique_ptr<const detail::Pipeline> pipeline_;
+  std::shared_ptr<const ValidationCallback> validation_;
   mutable std::atomic<uint64_t> stack_size_;
 };
 

@@ -35,6 +35,23 @@ TEST_CASE("each row is told once a dispatch, with the lowest thread's text and t
     }
 }
 
+TEST_CASE("ERR-04: a pipeline stack size that is none is dropped, and told, whoever listens by then") {
+  Program program;
+  program.shaders.RayGeneration("rg", [](RayGenContext&) {});
+  program.create("rg");
+  const uint64_t before = program.pipeline->GetPipelineStackSize();
+  program.pipeline->SetPipelineStackSize(before + 1);
+  CHECK(program.messages.empty());
+  program.pipeline->SetPipelineStackSize(0xffffffff);
+  CHECK(program.pipeline->GetPipelineStackSize() == before + 1);
+  REQUIRE(program.messages.size() == 1);
+  CHECK(program.messages[0].id == "ERR-04");
+  program.device.set_validation_callback({});
+  program.pipeline->SetPipelineStackSize(~uint64_t{0});
+  CHECK(program.pipeline->GetPipelineStackSize() == before + 1);
+  CHECK(program.messages.size() == 1);
+}
+
 TEST_CASE("without a callback nothing is told and nothing else changes") {
   Program program;
   program.device.set_validation_callback({});
