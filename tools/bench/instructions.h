@@ -11,8 +11,8 @@
 
 namespace rayloom::bench {
 
-/// In the child: runs `work` once as a warm-up and once counted under `name` (no colon or new line in it).
-/// Without valgrind it only runs.
+/// In the child: runs `work` once as a warm-up and three times counted under `name` (no new line in it); the smallest
+/// count is kept, since the heap's housekeeping is in the others. Without valgrind it only runs.
 void count_region(const std::string& name, const std::function<void()>& work);
 
 struct CountedRun {
