@@ -11,6 +11,7 @@
 // clang-format on
 
 #include <rayloom/accel/interleave-inl.h>
+#include <rayloom/accel/ray_run.h>
 
 #ifdef HWY_TARGET_INCLUDE
 HWY_BEFORE_NAMESPACE();
@@ -28,47 +29,64 @@ inline Hit trace_alone(AddressSpace addresses, const TraceRequest& request) {
   return traverse(addresses, request, none);
 }
 
-/// What requests of one run have in common.
-struct BatchKind {
-  bool asks;  ///< has a candidate function, whose calls come ray by ray
-  bool any_hit;
-  bool instances;
-  bool operator==(const BatchKind&) const = default;
-};
-
-inline BatchKind kind_of(const TraceRequest& request) {
-  return {request.candidate != nullptr, (request.ray_flags & ray_flag::accept_first_hit_and_end_search) != 0,
-          request.structure && header_of(request.structure).kind == StructureKind::instances};
-}
-
-template <Order order>
-void interleave(AddressSpace addresses, std::span<const TraceRequest> requests, Hit* hits, bool instances) {
-  if (instances)
-    Interleaver<order, true>(addresses, requests, hits).run();
-  else
-    Interleaver<order, false>(addresses, requests, hits).run();
-}
-
-inline void trace_run(AddressSpace addresses, std::span<const TraceRequest> requests, Hit* hits, BatchKind kind) {
-  constexpr size_t worth_interleaving = 4;
-  if (kind.asks || requests.size() < worth_interleaving) {
-    for (size_t i = 0; i < requests.size(); ++i) hits[i] = trace_alone(addresses, requests[i]);
-  } else if (kind.any_hit) {
-    interleave<Order::stored>(addresses, requests, hits, kind.instances);
-  } else {
-    interleave<Order::distance>(addresses, requests, hits, kind.instances);
+inline void trace_one_by_one(AddressSpace addresses, const RayRun& rays, Hit* hits) {
+  TraceRequest request = *rays.shared;
+  for (size_t i = 0; i < rays.count; ++i) {
+    request.ray = rays[i];
+    hits[i] = trace_alone(addresses, request);
   }
 }
 
-/// Requests are looked at twice; a run of this many is still in the cache the second time.
-inline constexpr size_t longest_run = 2048;
+inline bool any_hit(const TraceRequest& request) {
+  return (request.ray_flags & ray_flag::accept_first_hit_and_end_search) != 0;
+}
+
+template <Order order, class Result>
+void interleave(AddressSpace addresses, const RayRun& rays, Result* results) {
+  if (header_of(rays.shared->structure).kind == StructureKind::instances)
+    Interleaver<order, true, Result>(addresses, rays, results).run();
+  else
+    Interleaver<order, false, Result>(addresses, rays, results).run();
+}
+
+/// Whether rays may find anything at all in the structure.
+inline bool worth_entering(const TraceRequest& request) {
+  if (!request.structure) return false;
+  const StructureHeader& header = header_of(request.structure);
+  if (header.kind == StructureKind::instances) return header.root != no_index;
+  return wants(request, header);
+}
+
+inline void trace_run(AddressSpace addresses, const RayRun& rays, Hit* hits) {
+  constexpr size_t worth_interleaving = 4;
+  if (rays.shared->candidate || rays.count < worth_interleaving || !worth_entering(*rays.shared))
+    trace_one_by_one(addresses, rays, hits);
+  else if (any_hit(*rays.shared))
+    interleave<Order::stored>(addresses, rays, hits);
+  else
+    interleave<Order::distance>(addresses, rays, hits);
+}
+
+/// results[i]: whether ray i hits anything.
+inline void occlude_run(AddressSpace addresses, const RayRun& rays, uint8_t* results) {
+  if (!rays.shared->candidate && worth_entering(*rays.shared))
+    return interleave<Order::stored>(addresses, rays, results);
+  TraceRequest request = *rays.shared;
+  for (size_t i = 0; i < rays.count; ++i) {
+    request.ray = rays[i];
+    results[i] = static_cast<bool>(trace_alone(addresses, request));
+  }
+}
 
 inline void trace_batch(AddressSpace addresses, std::span<const TraceRequest> requests, std::span<Hit> hits) {
-  for (size_t begin = 0, end = 0; begin < requests.size(); begin = end) {
-    const BatchKind kind = kind_of(requests[begin]);
+  /// Requests are looked at twice; a run of this many is still in the cache the second time.
+  constexpr size_t longest_run = 2048;
+  for (size_t begin = 0; begin < requests.size();) {
+    size_t end = begin + 1;
     const size_t last = std::min(requests.size(), begin + longest_run);
-    while (end < last && kind_of(requests[end]) == kind) ++end;
-    trace_run(addresses, requests.subspan(begin, end - begin), &hits[begin], kind);
+    while (end < last && same_run(requests[begin], requests[end])) ++end;
+    trace_run(addresses, run_of(requests.subspan(begin, end - begin)), &hits[begin]);
+    begin = end;
   }
 }
 

@@ -41,6 +41,11 @@ struct InstanceRules {
     culled_facing[true] = cull && (ray_flags & ray_flag::cull_front_facing_triangles);
   }
 
+  /// Whether every triangle hit is accepted by a ray without candidate function.
+  bool accepts_all() const {
+    return outcome[0] != Outcome::cull && outcome[1] != Outcome::cull && !culled_facing[0] && !culled_facing[1];
+  }
+
   Outcome outcome_of(uint32_t geometry_word) const { return outcome[geometry_word >> 24 & geometry_flag::opaque]; }
 };
 

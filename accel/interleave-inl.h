@@ -12,10 +12,12 @@
 #endif
 // clang-format on
 
+#include <rayloom/accel/ray_run.h>
 #include <rayloom/accel/traverse-inl.h>
 #include <rayloom/accel/visitor.h>
 
 #include <memory>
+#include <type_traits>
 
 #ifdef HWY_TARGET_INCLUDE
 HWY_BEFORE_NAMESPACE();
@@ -38,7 +40,7 @@ struct alignas(64) Task {
   bool ended;
   bool in_triangles;  ///< whether the leaves of the current level are triangles, not instances
   Level* level;       ///< the one of `levels` that `ref` belongs to
-  Hit* result;
+  size_t index;       ///< of the ray and its result
   Search search;
   InstanceRules rules;
   Level levels[2];  ///< the request's structure, and a bottom level entered from it
@@ -71,16 +73,16 @@ struct alignas(64) Task {
   }
 };
 
-/// Traces requests that have no candidate function and share the order of children. `instances`: some of their
-/// structures are top levels.
-template <Order order, bool instances>
+/// Traces rays whose structure has a root that they want. `instances`: it is a top level. Result: Hit, or for
+/// Order::stored a byte that tells whether the ray hits anything.
+template <Order order, bool instances, class Result>
 class Interleaver {
  public:
-  Interleaver(AddressSpace addresses, std::span<const TraceRequest> requests, Hit* hits)
-      : addresses_(addresses), requests_(requests), hits_(hits), tasks_(new Task[std::min(requests.size(), width)]) {}
+  Interleaver(AddressSpace addresses, const RayRun& rays, Result* results)
+      : addresses_(addresses), rays_(rays), results_(results), tasks_(new Task[std::min(rays.count, width)]) {}
 
   void run() {
-    for (size_t i = 0; i < std::min(requests_.size(), width); ++i) start_next(tasks_[i]);
+    for (size_t i = 0; i < std::min(rays_.count, width); ++i) start_next(tasks_[i]);
     while (nodes_->count + leaves_->count + others_->count != 0) {
       const bool leaves_now = leaves_->count >= enough || nodes_->count < enough;
       const List* const leaves = leaves_now ? &take(leaves_, spare_leaves_) : nullptr;  // asked for a round ago
@@ -147,14 +149,30 @@ class Interleaver {
     Ends to = ends();
     for (uint32_t i = 0; i < round.count; ++i) {
       Task& task = *round.task[i];
-      Visitor none;
-      const TriangleLanes lanes(task.level->ray);
-      const Offer offer = TriangleLeaves{task.rules}.visit(*task.level, lanes, task.address(), task.search, none);
+      const Offer offer = visit_leaf(task);
       if (offer != Offer::rejected) note(offer, task);
       task.pop();
       to = file(task, to);
     }
     set_ends(to);
+  }
+
+  static Offer visit_leaf(Task& task) {
+    const TriangleLanes lanes(task.level->ray);
+    const TriangleLeaves leaves{task.rules};
+    if constexpr (std::is_same_v<Result, Hit>) {
+      Visitor none;
+      return leaves.visit(*task.level, lanes, task.address(), task.search, none);
+    } else {
+      return leaves.occludes(*task.level, lanes, task.address(), task.search) ? Offer::ended : Offer::rejected;
+    }
+  }
+
+  void write_result(const Task& task) {
+    if constexpr (std::is_same_v<Result, Hit>)
+      results_[task.index] = task.search.hit();
+    else
+      results_[task.index] = task.ended;
   }
 
   void note(Offer offer, Task& task) {
@@ -172,32 +190,28 @@ class Interleaver {
       } else if (instances && task.level == &task.levels[1] && !task.ended) {
         leave_instance(task);
       } else {
-        *task.result = task.search.hit();
+        write_result(task);
         start_next(task);
       }
     }
   }
 
-  /// Gives the task the next request that does not miss at once, if there is one.
+  /// Gives the task the next ray that does not miss at once, if there is one.
   void start_next(Task& task) {
-    while (next_ != requests_.size()) {
-      const TraceRequest& request = requests_[next_];
-      task.result = &hits_[next_++];
-      task.search = Search(request);
-      if (start(task, request)) return file(task);
-      *task.result = task.search.hit();
+    const std::byte* const block = rays_.shared->structure;
+    const float pad_scale = instances ? header_of(block).pad_scale : 1;
+    while (next_ != rays_.count) {
+      const Ray& ray = rays_[next_];
+      task.index = next_++;
+      task.search = Search(*rays_.shared, ray);
+      task.stack.resize(0);
+      task.ended = false;
+      if (task.enter(0, block, ray, pad_scale)) {
+        task.rules = rules_;
+        return file(task);
+      }
+      write_result(task);
     }
-  }
-
-  static bool start(Task& task, const TraceRequest& request) {
-    if (!request.structure) return false;
-    const StructureHeader& header = header_of(request.structure);
-    const bool top = header.kind == StructureKind::instances;
-    if (header.root == no_index || (!top && !wants(request, header))) return false;
-    task.rules = InstanceRules(0, 0, request.ray_flags, nullptr);
-    task.ended = false;
-    task.stack.resize(0);
-    return task.enter(0, request.structure, request.ray, top ? header.pad_scale : 1);
   }
 
   /// To the root of an instance, or past it.
@@ -205,7 +219,8 @@ class Interleaver {
     const auto& instance = *reinterpret_cast<const InstanceRecord*>(task.address());
     const TraceRequest& request = task.search.request();
     const std::byte* const block = addresses_.host(instance.bottom_level_address);
-    if (!passes(instance, request, header_of(block)) || !task.enter(1, block, object_ray(instance, request.ray), 1)) {
+    if (!passes(instance, request, header_of(block)) ||
+        !task.enter(1, block, object_ray(instance, task.search.ray()), 1)) {
       task.level = &task.levels[0];
       task.pop();
     } else {
@@ -222,8 +237,9 @@ class Interleaver {
   }
 
   AddressSpace addresses_;
-  std::span<const TraceRequest> requests_;
-  Hit* hits_;
+  const RayRun& rays_;
+  Result* results_;
+  const InstanceRules rules_{0, 0, rays_.shared->ray_flags, nullptr};  ///< of a bottom level without instance
   size_t next_ = 0;
   std::unique_ptr<Task[]> tasks_;
   List lists_[6];

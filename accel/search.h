@@ -34,9 +34,12 @@ enum class Offer : uint8_t { rejected, committed, ended };
 class Search {
  public:
   Search() = default;  ///< of nothing, to be assigned to
-  explicit Search(const TraceRequest& request) : request_(&request) { hit_.t = request.ray.t_max; }
+  explicit Search(const TraceRequest& request) : Search(request, request.ray) {}
+  /// `ray` instead of the request's own.
+  Search(const TraceRequest& request, const Ray& ray) : request_(&request), ray_(&ray) { hit_.t = ray.t_max; }
 
   const TraceRequest& request() const { return *request_; }
+  const Ray& ray() const { return *ray_; }
   const Hit& hit() const { return hit_; }
   float t() const { return hit_.t; }
 
@@ -66,7 +69,7 @@ class Search {
     const bool wins_ties = procedural_wins_tie(hit_, name);
     Hit found{0, 0, 0, name.instance, name.geometry, name.primitive, 0, HitType::procedural};
     const Verdict verdict = ask(found, rules, outcome == Outcome::commit, wins_ties, visitor);
-    const bool in_range = verdict.t >= request_->ray.t_min && (wins_ties ? verdict.t <= hit_.t : verdict.t < hit_.t);
+    const bool in_range = verdict.t >= ray_->t_min && (wins_ties ? verdict.t <= hit_.t : verdict.t < hit_.t);
     const bool commits = verdict.commit && in_range;
     if (commits) {
       found.t = verdict.t;
@@ -108,6 +111,7 @@ class Search {
   }
 
   const TraceRequest* request_ = nullptr;
+  const Ray* ray_ = nullptr;
   Hit hit_;
 };
 

@@ -54,6 +54,21 @@ void trace(AddressSpace addresses, std::span<const TraceRequest> requests, std::
   current_kernel().trace_many(addresses, requests, hits);
 }
 
+void trace(AddressSpace addresses, const TraceRequest& shared, std::span<const Ray> rays, std::span<Hit> hits) {
+  assert(rays.size() == hits.size());
+  const FloatEnvironment environment;
+  current_kernel().trace_rays(addresses, {&shared, rays.data(), sizeof(Ray), rays.size()}, hits.data());
+}
+
+void occluded(AddressSpace addresses, const TraceRequest& shared, std::span<const Ray> rays,
+              std::span<uint8_t> results) {
+  assert(rays.size() == results.size());
+  const FloatEnvironment environment;
+  TraceRequest any_hit = shared;
+  any_hit.ray_flags |= ray_flag::accept_first_hit_and_end_search;
+  current_kernel().occlude_rays(addresses, {&any_hit, rays.data(), sizeof(Ray), rays.size()}, results.data());
+}
+
 std::string_view isa_name(Isa isa) {
   constexpr std::string_view names[] = {"scalar", "avx2", "avx512"};
   return names[static_cast<uint8_t>(isa)];

@@ -58,6 +58,15 @@ Hit trace(AddressSpace addresses, const TraceRequest& request);
 /// The same for many rays; requests are independent. hits.size() == requests.size(). Chooses a kernel from the batch.
 void trace(AddressSpace addresses, std::span<const TraceRequest> requests, std::span<Hit> hits);
 
+/// The same for rays that share everything but themselves: `shared` without its own ray. Quicker to pass and to look
+/// at. hits.size() == rays.size().
+void trace(AddressSpace addresses, const TraceRequest& shared, std::span<const Ray> rays, std::span<Hit> hits);
+
+/// Whether each ray hits anything (1 or 0), as with accept_first_hit_and_end_search, which is implied. Quicker than
+/// trace(), since a hit need not be computed to be known. results.size() == rays.size().
+void occluded(AddressSpace addresses, const TraceRequest& shared, std::span<const Ray> rays,
+              std::span<uint8_t> results);
+
 /// Instruction sets with a kernel, fastest last. `name` is what --isa takes.
 enum class Isa : uint8_t { scalar, avx2, avx512 };
 std::string_view isa_name(Isa isa);

@@ -19,6 +19,7 @@
 #include <rayloom/accel/structure.h>
 #include <rayloom/accel/traversal_stack.h>
 #include <rayloom/accel/triangle_hit.h>
+#include <rayloom/accel/visitor.h>
 
 #include <bit>
 #include <optional>
@@ -161,6 +162,22 @@ struct TriangleLeaves {
               Visitor& visitor) const {
     const auto* leaf = reinterpret_cast<const TriangleLeaf*>(address);
     const LeafMasks masks = test_triangles(lanes, *leaf, DepthInterval(level.ray, search.t()));
+    return offer_lanes(level, leaf, masks, search, visitor);
+  }
+
+  /// Whether any triangle is hit, by rays without candidate function: most often told before any hit is computed.
+  bool occludes(const Level& level, const Lanes& lanes, const std::byte* address, Search& search) const {
+    const auto* leaf = reinterpret_cast<const TriangleLeaf*>(address);
+    const LeafMasks masks = test_triangles(lanes, *leaf, DepthInterval(level.ray, search.t()));
+    if (masks.possible == 0) return false;
+    if (rules.accepts_all() && (masks.certain & masks.inside) != 0) return true;
+    accel::Visitor none;
+    return offer_lanes(level, leaf, masks, search, none) != Offer::rejected;
+  }
+
+  template <class Visitor>
+  Offer offer_lanes(const Level& level, const TriangleLeaf* leaf, const LeafMasks& masks, Search& search,
+                    Visitor& visitor) const {
     uint32_t accepted = 0;
     Offer result = Offer::rejected;
     for (uint32_t left = masks.possible; left != 0 && result != Offer::ended; left &= left - 1) {
@@ -238,7 +255,7 @@ struct InstanceLeaves {
     const TraceRequest& request = search.request();
     const std::byte* block = addresses.host(instance->bottom_level_address);
     if (!passes(*instance, request, header_of(block))) return Offer::rejected;
-    const Ray ray = object_ray(*instance, request.ray);
+    const Ray ray = object_ray(*instance, search.ray());
     const InstanceRules rules = rules_of(*instance, request);
     visitor.on_enter_instance(instance, ray);
     const bool ended = traverse_bottom(block, ray, rules, search, visitor);

@@ -1,12 +1,14 @@
 #pragma once
 
-#include <rayloom/accel/trace.h>
+#include <rayloom/accel/ray_run.h>
 
 namespace rayloom::accel {
 
 /// The entry points of one instruction set. They expect the fixed FloatEnvironment.
 struct Kernel {
   Hit (*trace_one)(AddressSpace, const TraceRequest&);
+  void (*trace_rays)(AddressSpace, const RayRun&, Hit*);
+  void (*occlude_rays)(AddressSpace, const RayRun&, uint8_t*);
   void (*trace_many)(AddressSpace, std::span<const TraceRequest>, std::span<Hit>);
 };
 

@@ -6,12 +6,18 @@ namespace {
 
 Hit trace_one(AddressSpace addresses, const TraceRequest& request) { return scalar::trace_alone(addresses, request); }
 
+void trace_rays(AddressSpace addresses, const RayRun& rays, Hit* hits) { scalar::trace_run(addresses, rays, hits); }
+
+void occlude_rays(AddressSpace addresses, const RayRun& rays, uint8_t* results) {
+  scalar::occlude_run(addresses, rays, results);
+}
+
 void trace_many(AddressSpace addresses, std::span<const TraceRequest> requests, std::span<Hit> hits) {
   scalar::trace_batch(addresses, requests, hits);
 }
 
 }  // namespace
 
-const Kernel scalar_kernel{trace_one, trace_many};
+const Kernel scalar_kernel{trace_one, trace_rays, occlude_rays, trace_many};
 
 }  // namespace rayloom::accel

@@ -1,0 +1,33 @@
+#pragma once
+
+#include <rayloom/accel/trace.h>
+
+#include <cstddef>
+
+namespace rayloom::accel {
+
+/// Rays that share everything but themselves. They lie `stride` bytes apart, alone or inside requests.
+struct RayRun {
+  const TraceRequest* shared;  ///< its own ray is not looked at
+  const Ray* first;
+  size_t stride;
+  size_t count;
+
+  const Ray& operator[](size_t i) const {
+    return *reinterpret_cast<const Ray*>(reinterpret_cast<const std::byte*>(first) + i * stride);
+  }
+  RayRun part(size_t begin, size_t length) const { return {shared, &(*this)[begin], stride, length}; }
+};
+
+/// Requests without candidate function that agree in all but the ray.
+inline RayRun run_of(std::span<const TraceRequest> requests) {
+  return {requests.data(), &requests.data()->ray, sizeof(TraceRequest), requests.size()};
+}
+
+/// Whether two requests can be in one run. Those with a candidate function cannot: its calls come ray by ray.
+inline bool same_run(const TraceRequest& a, const TraceRequest& b) {
+  return a.structure == b.structure && a.ray_flags == b.ray_flags && a.instance_mask == b.instance_mask &&
+         !a.candidate && !b.candidate;
+}
+
+}  // namespace rayloom::accel
