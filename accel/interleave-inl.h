@@ -51,8 +51,8 @@ struct alignas(64) Task {
   void pop() { ref = stack.pop_ref(); }
 
   /// False, and nothing has changed, if the ray misses everything.
-  bool enter(uint32_t index, const std::byte* block, const Ray& ray, float pad_scale) {
-    level = std::construct_at(&levels[index], block, ray, pad_scale, search);
+  bool enter(uint32_t slot, const std::byte* block, const Ray& ray, float pad_scale) {
+    level = std::construct_at(&levels[slot], block, ray, pad_scale, search);
     if (!level->ray.valid) return false;
     stack.push(level_end, 0);
     base = stack.size();

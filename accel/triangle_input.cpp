@@ -36,6 +36,12 @@ bool is_active(const InputTriangle& corners) {
   return true;
 }
 
+InputTriangle read_checked_triangle(const TriangleGeometry& geometry, uint32_t index, uint32_t triangle) {
+  const Indices indices = read_indices(geometry, triangle);
+  check_indices(geometry, index, triangle, indices);
+  return read_corners(geometry, indices);
+}
+
 PrimitiveRefs triangle_refs(std::span<const TriangleGeometry> geometries, bool keep_degenerate) {
   PrimitiveRefs refs;
   refs.reserve(checked_count(geometries));
