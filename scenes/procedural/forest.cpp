@@ -16,7 +16,7 @@ namespace rayloom::scenes {
 namespace {
 
 constexpr float spacing = 5;      // metres between trees, about
-constexpr float path_width = 4;   // nothing grows on it
+constexpr float path_width = 7;   // nothing grows on it
 constexpr uint32_t variants = 3;  // meshes of each species
 
 struct Leaves {
@@ -187,14 +187,14 @@ void plant(SceneBuilder& builder, uint32_t count, float side, uint32_t seed) {
 
 void add_light(Scene& scene) {
   scene.environment.kind = Environment::Kind::gradient;
-  scene.environment.zenith = {0.45f, 0.75f, 1.5f};
-  scene.environment.horizon = {1.5f, 1.55f, 1.6f};
-  scene.environment.nadir = {0.2f, 0.2f, 0.18f};
+  scene.environment.zenith = {0.7f, 1.1f, 2.0f};
+  scene.environment.horizon = {2.1f, 2.2f, 2.3f};
+  scene.environment.nadir = {0.25f, 0.25f, 0.22f};
   Light sun;
   sun.kind = Light::Kind::directional;
   sun.name = "sun";
   sun.direction = {-0.48f, -0.8f, -0.36f};  // unit
-  sun.intensity = {11, 10, 8};
+  sun.intensity = {17, 15.5f, 12.5f};
   scene.lights.push_back(sun);
 }
 
@@ -215,7 +215,7 @@ Scene make_forest(Parameters& parameters) {
   const auto count = static_cast<uint32_t>(parameters.get("trees", 4000, 1, 1000000));
   const auto seed = static_cast<uint32_t>(parameters.get("seed", 1, 0, 1000000));
   parameters.check_all_used();
-  const float side = spacing * std::sqrt(static_cast<float>(count)) + 4 * path_width;
+  const float side = spacing * std::sqrt(static_cast<float>(count)) + 16;
   SceneBuilder builder;
   add_ground(builder, side, seed);
   plant(builder, count, side, seed);

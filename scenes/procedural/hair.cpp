@@ -1,5 +1,6 @@
 #include "builder.h"
 #include "distance.h"
+#include "gradient_noise.h"
 #include "isosurface.h"
 #include "scenes.h"
 #include "shapes.h"
@@ -93,8 +94,9 @@ void comb(Strand& strand, const Style& style, Draws& draws) {
   const float layer = 0.002f + 0.012f * draws.next();
   const float step = (0.20f + 0.12f * draws.next()) / static_cast<float>(style.segments);
   glm::vec3 p = root(draws), normal = outwards(p);
-  const glm::vec3 side(p.x + 0.007f * draws.next_signed() > -0.018f ? 0.7f : -0.7f, 0, 0);
-  const glm::vec3 flow = side + glm::vec3(0.2f * draws.next_signed(), -0.3f, -0.45f + 0.2f * draws.next_signed());
+  const float from_parting = p.x + 0.018f + 0.01f * draws.next_signed();
+  const float sideways = std::clamp(from_parting / 0.035f, -1.0f, 1.0f) * smooth_step(-0.07f, 0.04f, p.z);
+  const glm::vec3 flow(0.9f * sideways + 0.25f * draws.next_signed(), -0.3f, -0.5f + 0.2f * draws.next_signed());
   glm::vec3 direction = unit(flow - (glm::dot(flow, normal) - 0.5f) * normal);
   strand.points[0] = p;
   for (uint32_t i = 1; i <= style.segments; ++i) {

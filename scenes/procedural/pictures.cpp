@@ -111,7 +111,7 @@ Pixels leaf_spray(uint32_t size, uint32_t leaves, float width) {
       if (along <= 0 || along >= 1 || std::fabs(across) > width * det::sin(pi * det::pow(along, 0.75f))) continue;
       const float vein = std::fabs(across) < 0.05f * width ? 1.25f : 1.0f;
       const float shade = vein * (0.8f + 0.3f * unit_float(hash64(71u, i)) + 0.1f * along);
-      color = glm::vec4(0.32f * shade, 0.50f * shade, 0.16f * shade, 1.0f);
+      color = glm::vec4(0.40f * shade, 0.58f * shade, 0.22f * shade, 1.0f);
     }
     return color;
   });
@@ -128,7 +128,7 @@ Pixels needle_spray(uint32_t size) {
         reach * (1.05f - 0.75f * foot) * (0.85f + 0.15f * unit_float(hash64(72u, static_cast<int>(phase + 64))));
     const bool needle = foot > 0.02f && foot < 0.93f && std::fabs(x) < limit && phase - std::floor(phase) < 0.45f;
     const float shade = 0.75f + 0.5f * std::fabs(x) / reach;
-    return glm::vec4(0.20f * shade, 0.36f * shade, 0.17f * shade, needle ? 1.0f : 0.0f);
+    return glm::vec4(0.28f * shade, 0.46f * shade, 0.24f * shade, needle ? 1.0f : 0.0f);
   });
 }
 
