@@ -161,7 +161,7 @@ void add_bvh_command(CLI::App& app, CommonOptions& common, Action& action) {
       ->type_name("NAME");
   sub->add_option_function<std::string>(
          "--builder", [=](const std::string& name) { options->settings.builder = parse_builder_option(name); },
-         "Builder, whatever the flags prefer: automatic or binned_sah")
+         "Builder, whatever the flags prefer; an unknown name lists them all")
       ->type_name("NAME");
   add_count(*sub, "--threads", options->threads, 0, 1024, "Threads, 0 for one a core");
   sub->callback([=, &common, &action] { action = [=, &common] { return run_bvh(*options, common); }; });
