@@ -10,6 +10,7 @@
 #endif
 // clang-format on
 
+#include <rayloom/accel/simd/compress_table.h>
 #include <rayloom/accel/simd/lanes-inl.h>
 #include <rayloom/accel/traversal_stack.h>
 
@@ -55,21 +56,34 @@ HWY_INLINE hn::Vec<Keys> sort_many(hn::Vec<Keys> keys) {
   return keys;
 }
 
-/// The lanes of `values` in the mask moved down to the lowest lanes; `filler` above.
-HWY_INLINE hn::Vec<Keys> compress_over(hn::Vec<Keys> filler, hn::Vec<Keys> values, const NodeHits& hits) {
+/// The lanes of `values` in the mask moved down to the lowest lanes; lanes above hold no meaning.
+HWY_INLINE WordLanes compress(WordLanes values, LaneMask lanes, uint32_t mask) {
+#if HWY_TARGET == HWY_AVX3
+  (void)mask;
+  return hn::Compress(values, hn::RebindMask(Words(), lanes));
+#else
+  (void)lanes;
+  const auto order = hn::PromoteTo(Words(), hn::LoadU(hn::FixedTag<uint8_t, 8>(), compress_table.lanes[mask].data()));
+  return WordLanes{_mm256_permutevar8x32_epi32(values.raw, order.raw)};
+#endif
+}
+
+/// The same with `filler` above.
+HWY_INLINE hn::Vec<Keys> compress_over(hn::Vec<Keys> filler, WordLanes values, const NodeHits& hits) {
+  const Keys d;
 #if HWY_TARGET == HWY_AVX3
   return hn::Vec<Keys>{_mm256_mask_compress_epi32(filler.raw, hits.lanes.raw, values.raw)};
 #else
-  const Keys d;
-  const auto packed = hn::Compress(values, hn::RebindMask(d, hits.lanes));
-  return hn::IfThenElse(hn::FirstN(d, static_cast<size_t>(std::popcount(hits.mask))), packed, filler);
+  const auto count = hn::Set(d, static_cast<int32_t>(std::popcount(hits.mask)));
+  const auto packed = hn::BitCast(d, compress(values, hits.lanes, hits.mask));
+  return hn::IfThenElse(hn::Lt(hn::Iota(d, 0), count), packed, filler);
 #endif
 }
 
 /// Keys of the children met, then -1, which is smaller than any key.
 HWY_INLINE hn::Vec<Keys> compress_keys(const NodeHits& hits) {
   const Keys d;
-  return compress_over(hn::Set(d, -1), hn::BitCast(d, hits.keys), hits);
+  return compress_over(hn::Set(d, -1), hits.keys, hits);
 }
 
 /// Stores the references and distances that sorted keys stand for above the top of the stack.
@@ -83,9 +97,7 @@ HWY_INLINE void place_keys(hn::Vec<Keys> keys, const Node8& node, TraversalStack
 
 /// See scalar::push_in_order(). Leaves distances alone: any-hit rays never cull by them.
 HWY_INLINE void push_in_order(const NodeHits& hits, const Node8& node, TraversalStack& stack) {
-  const Keys d;
-  const auto children = hn::BitCast(d, hn::Load(Words(), node.child));
-  hn::StoreU(hn::BitCast(Words(), compress_over(children, children, hits)), Words(), stack.free_refs());
+  hn::StoreU(compress(hn::Load(Words(), node.child), hits.lanes, hits.mask), Words(), stack.free_refs());
   stack.grow(static_cast<uint32_t>(std::popcount(hits.mask)));
 }
 
@@ -112,9 +124,10 @@ HWY_INLINE void drop_farther(TraversalStack& stack, uint32_t base, float t_far) 
     const FloatLanes nears = hn::LoadU(d, stack.nears() + i);
     const WordLanes refs = hn::LoadU(w, stack.refs() + i);
     const LaneMask keep = hn::And(hn::Le(nears, hn::Set(d, t_far)), hn::FirstN(d, size - i));
-    hn::StoreU(hn::Compress(nears, keep), d, stack.nears() + kept);
-    hn::StoreU(hn::Compress(refs, hn::RebindMask(w, keep)), w, stack.refs() + kept);
-    kept += static_cast<uint32_t>(hn::CountTrue(d, keep));
+    const uint32_t mask = mask_bits(keep);
+    hn::StoreU(hn::BitCast(d, compress(hn::BitCast(w, nears), keep, mask)), d, stack.nears() + kept);
+    hn::StoreU(compress(refs, keep, mask), w, stack.refs() + kept);
+    kept += static_cast<uint32_t>(std::popcount(mask));
   }
   stack.resize(kept);
 }
