@@ -3,21 +3,34 @@
 #include <rayloom/base/parallel.h>
 
 #include <algorithm>
+#include <vector>
 
 namespace rayloom::bench {
 namespace {
 
 constexpr uint64_t part = 8192;  ///< rays a task
 
+void trace_hits(const accel::TraceRequest& shared, std::span<const accel::Ray> rays, std::span<accel::Hit> hits) {
+  accel::trace({}, shared, rays, hits);
+}
+
+/// As the peer's occlusion call does, this tells only whether there is a hit.
+void tell_occlusion(const accel::TraceRequest& shared, std::span<const accel::Ray> rays, std::span<accel::Hit> hits) {
+  std::vector<uint8_t> hidden(rays.size());
+  accel::occluded({}, shared, rays, hidden);
+  for (size_t i = 0; i < rays.size(); ++i) hits[i].type = hidden[i] ? accel::HitType::triangle : accel::HitType::none;
+}
+
 }  // namespace
 
 TraceRays trace_in_batches(const OurStructure& structure, uint32_t ray_flags, size_t batch) {
   return [&structure, ray_flags, batch](std::span<const accel::Ray> rays, std::span<accel::Hit> hits) {
-    std::vector<accel::TraceRequest> requests(std::min(batch, rays.size()), structure.request({}, ray_flags));
+    const accel::TraceRequest shared = structure.request({}, ray_flags);
+    const bool any_hit = (ray_flags & accel::ray_flag::accept_first_hit_and_end_search) != 0;
     for (size_t begin = 0; begin < rays.size(); begin += batch) {
       const size_t count = std::min(batch, rays.size() - begin);
-      for (size_t i = 0; i < count; ++i) requests[i].ray = rays[begin + i];
-      accel::trace({}, std::span(requests).first(count), hits.subspan(begin, count));
+      const auto trace = any_hit ? tell_occlusion : trace_hits;
+      trace(shared, rays.subspan(begin, count), hits.subspan(begin, count));
     }
   };
 }

@@ -13,7 +13,7 @@ using TraceRays = std::function<void(std::span<const accel::Ray>, std::span<acce
 
 inline constexpr size_t usual_batch = 4096;
 
-/// accel's batch API, `batch` rays a call. Making the requests is inside, as making its rays is for a peer.
+/// accel's batch API, `batch` rays a call; any-hit rays are only told whether they hit, in Hit::type.
 TraceRays trace_in_batches(const OurStructure& structure, uint32_t ray_flags, size_t batch);
 /// One call a ray.
 TraceRays trace_one_by_one(const OurStructure& structure, uint32_t ray_flags);
