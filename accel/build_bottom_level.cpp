@@ -1,12 +1,12 @@
 #include <rayloom/accel/build.h>
 #include <rayloom/accel/checks.h>
 #include <rayloom/accel/encode.h>
+#include <rayloom/accel/encoded_leaves.h>
 #include <rayloom/accel/procedural_input.h>
 #include <rayloom/accel/ray.h>
 #include <rayloom/accel/sizes.h>
 #include <rayloom/accel/tree_builder.h>
 #include <rayloom/accel/triangle_input.h>
-#include <rayloom/accel/triangle_leaf.h>
 #include <rayloom/base/float_environment.h>
 
 #include <cstring>
@@ -34,20 +34,6 @@ void name_lanes(Leaf& leaf) {
   for (uint32_t lane = 0; lane < leaf_width; ++lane) leaf.primitive[lane] = leaf.geometry[lane] = no_index;
 }
 
-/// How leaves of triangles are written, and before that, how large they are.
-struct TriangleLeafWriter {
-  std::span<const TriangleGeometry> geometries;
-  LeafForm form;
-  static constexpr uint64_t overread = TriangleLeaf::overread_bytes;
-
-  LeafContents contents(std::span<const PrimitiveRef> refs) const { return leaf_contents(geometries, refs, form); }
-  uint64_t bytes(std::span<const PrimitiveRef> refs) const {
-    if (form == LeafForm::full || (form == LeafForm::plain && geometries.size() > 1)) return sizeof(PlainTriangleLeaf);
-    return form == LeafForm::plain ? TriangleLeaf::bytes(TriangleLeaf::plain_slots, false) : contents(refs).bytes();
-  }
-  void write(std::span<const PrimitiveRef> refs, std::byte* address) const { contents(refs).write(address); }
-};
-
 void write_boxes(std::span<const AabbGeometry> geometries, std::span<const PrimitiveRef> refs, std::byte* address) {
   ProceduralLeaf8 leaf;
   for (auto& axis : leaf.bounds) {
@@ -67,23 +53,52 @@ void write_boxes(std::span<const AabbGeometry> geometries, std::span<const Primi
   std::memcpy(address, &leaf, sizeof(leaf));
 }
 
-struct ProceduralLeafWriter {
-  std::span<const AabbGeometry> geometries;
-  static constexpr uint64_t overread = 0;
-
-  uint64_t bytes(std::span<const PrimitiveRef>) const { return sizeof(ProceduralLeaf8); }
-  void write(std::span<const PrimitiveRef> refs, std::byte* address) const { write_boxes(geometries, refs, address); }
-};
-
-/// The fastest builder has no time to look for equal vertices.
-TriangleLeafWriter writer_for(std::span<const TriangleGeometry> geometries, const TreeInput& input) {
-  if (input.build_flags & build_flag::allow_update) return {geometries, LeafForm::full};
-  return {geometries, input.builder == Builder::lbvh ? LeafForm::plain : LeafForm::table};
-}
-ProceduralLeafWriter writer_for(std::span<const AabbGeometry> geometries, const TreeInput&) { return {geometries}; }
-
 std::span<const TriangleGeometry> to_clip(std::span<const TriangleGeometry> geometries) { return geometries; }
 std::span<const TriangleGeometry> to_clip(std::span<const AabbGeometry>) { return {}; }
+
+/// Lays the tree out and writes its nodes, and its leaves by write_leaf(slot, address).
+template <class WriteLeaf>
+void write_structure(const BuiltTree& built, const LeafBytes& leaf_bytes, uint64_t overread, StructureHeader& header,
+                     std::byte* block, const WriteLeaf& write_leaf) {
+  WideTree wide = make_wide_tree(built.tree, sizeof(StructureHeader), leaf_bytes);
+  wide.bytes += overread;
+  write_nodes(built.tree, wide, block, write_leaf);
+  describe_tree(built.tree, wide, built.refs.size(), header);
+}
+
+std::span<const PrimitiveRef> refs_of(const BuiltTree& built, uint32_t slot) {
+  return std::span(built.refs).subspan(built.tree[slot].first, built.tree[slot].count);
+}
+
+LeafBytes equal_sizes(const BuiltTree& built, uint64_t bytes) {
+  return LeafBytes(built.tree.size(), static_cast<uint16_t>(bytes / granule_bytes));
+}
+
+/// The fastest builder has no time to look for equal vertices.
+LeafForm leaf_form(const TreeInput& input) {
+  if (input.build_flags & build_flag::allow_update) return LeafForm::full;
+  return input.builder == Builder::lbvh ? LeafForm::plain : LeafForm::table;
+}
+
+void write_leaves_and_nodes(std::span<const TriangleGeometry> geometries, const TreeInput& input,
+                            const BuiltTree& built, StructureHeader& header, std::byte* block) {
+  const TriangleLeafWriter writer{geometries, leaf_form(input), input.builder == Builder::spatial_splits};
+  if (writer.form == LeafForm::table) {
+    const EncodedLeaves leaves(built.tree, built.refs, writer);
+    return write_structure(built, leaves.sizes(), TriangleLeaf::overread_bytes, header, block,
+                           [&](uint32_t slot, std::byte* address) { leaves.write(slot, address); });
+  }
+  const bool mixed = writer.form == LeafForm::full || geometries.size() > 1;
+  write_structure(built, equal_sizes(built, TriangleLeaf::bytes(TriangleLeaf::plain_slots, mixed)),
+                  TriangleLeaf::overread_bytes, header, block,
+                  [&](uint32_t slot, std::byte* address) { writer.write(refs_of(built, slot), address); });
+}
+
+void write_leaves_and_nodes(std::span<const AabbGeometry> geometries, const TreeInput&, const BuiltTree& built,
+                            StructureHeader& header, std::byte* block) {
+  write_structure(built, equal_sizes(built, sizeof(ProceduralLeaf8)), 0, header, block,
+                  [&](uint32_t slot, std::byte* address) { write_boxes(geometries, refs_of(built, slot), address); });
+}
 
 template <class Geometry>
 uint64_t build(std::span<const Geometry> geometries, PrimitiveRefs refs, const BuildSettings& settings,
@@ -92,15 +107,8 @@ uint64_t build(std::span<const Geometry> geometries, PrimitiveRefs refs, const B
     TreeInput input = tree_input(header.kind, header.primitive_count, settings);
     input.triangles = to_clip(geometries);
     const BuiltTree built = build_tree(std::move(refs), input);
-    const auto leaves = writer_for(geometries, input);
-    const LeafBytes leaf_bytes = measure_leaves(built.tree, [&](const BinaryNode& leaf) {
-      return leaves.bytes(std::span(built.refs).subspan(leaf.first, leaf.count));
-    });
-    WideTree wide = make_wide_tree(built.tree, sizeof(StructureHeader), leaf_bytes);
-    wide.bytes += leaves.overread;
-    write_tree(built.tree, wide, built.refs, block,
-               [&](std::span<const PrimitiveRef> range, std::byte* address) { leaves.write(range, address); });
-    describe_tree(built.tree, wide, active, header);
+    write_leaves_and_nodes(geometries, input, built, header, block);
+    header.active_count = active;  // references may be more
   }
   std::memcpy(block, &header, sizeof(header));
   return header.bytes;

@@ -13,19 +13,25 @@ namespace rayloom::accel {
 /// Writes one Node8 at its place in `block`.
 void write_node(const BinaryTree& tree, const WideNode& node, std::byte* block);
 
-/// Writes all nodes, and all leaves by write_leaf(range, address) where `range` are the leaf's primitives.
+/// Writes all nodes, and all leaves by write_leaf(slot, address).
 template <class WriteLeaf>
-void write_tree(const BinaryTree& tree, const WideTree& wide, std::span<const PrimitiveRef> refs, std::byte* block,
-                const WriteLeaf& write_leaf) {
+void write_nodes(const BinaryTree& tree, const WideTree& wide, std::byte* block, const WriteLeaf& write_leaf) {
   parallel_for(wide.nodes.size(), 256, [&](uint64_t begin, uint64_t end) {
     for (const WideNode& node : std::span(wide.nodes).subspan(begin, end - begin)) {
       write_node(tree, node, block);
-      for (uint32_t i = 0; i < node.children.count; ++i) {
-        const BinaryNode& child = tree[node.children.slot[i]];
+      for (uint32_t i = 0; i < node.children.count; ++i)
         if (node_ref::is_leaf(node.child_ref[i]))
-          write_leaf(refs.subspan(child.first, child.count), block + node_ref::offset(node.child_ref[i]));
-      }
+          write_leaf(node.children.slot[i], block + node_ref::offset(node.child_ref[i]));
     }
+  });
+}
+
+/// The same with leaves by write_leaf(range, address) where `range` are the leaf's primitives.
+template <class WriteLeaf>
+void write_tree(const BinaryTree& tree, const WideTree& wide, std::span<const PrimitiveRef> refs, std::byte* block,
+                const WriteLeaf& write_leaf) {
+  write_nodes(tree, wide, block, [&](uint32_t slot, std::byte* address) {
+    write_leaf(refs.subspan(tree[slot].first, tree[slot].count), address);
   });
 }
 

@@ -10,27 +10,24 @@
 
 namespace rayloom::accel {
 
-/// Up to eight triangles with their vertices, equal ones once.
-struct LeafContents {
-  uint32_t count = 0;
-  uint32_t slots = 0;  ///< vertices, or TriangleLeaf::plain_slots
-  bool mixed = false;
-  float position[TriangleLeaf::plain_slots][3] = {};
-  uint8_t corner[3][8] = {};
-  uint32_t primitive[8] = {};
-  uint32_t geometry[8] = {};
-
-  uint64_t bytes() const { return TriangleLeaf::bytes(slots, mixed); }
-  void write(std::byte* address) const;
-};
-
 enum class LeafForm : uint8_t {
-  table,  ///< the smallest
-  plain,  ///< every lane keeps its own vertices: the quickest to build
+  table,  ///< the smallest: equal vertices once
+  plain,  ///< every lane keeps its own vertices
   full,   ///< and its own geometry: PlainTriangleLeaf, which can be updated
 };
 
-LeafContents leaf_contents(std::span<const TriangleGeometry> geometries, std::span<const PrimitiveRef> refs,
-                           LeafForm form);
+struct TriangleLeafWriter {
+  std::span<const TriangleGeometry> geometries;
+  LeafForm form = LeafForm::table;
+  bool clipped = false;  ///< references may be smaller than their triangles
+
+  /// Writes the leaf of up to eight triangles and returns its bytes. `address` has room for a PlainTriangleLeaf, of
+  /// which bytes beyond the leaf are left undefined.
+  uint64_t write(std::span<const PrimitiveRef> refs, std::byte* address) const;
+
+  /// Asks for what write() will read: first the indices; later, when they have arrived, the vertices.
+  void prefetch_indices(std::span<const PrimitiveRef> refs) const;
+  void prefetch_vertices(std::span<const PrimitiveRef> refs) const;
+};
 
 }  // namespace rayloom::accel

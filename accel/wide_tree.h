@@ -3,7 +3,6 @@
 #include <rayloom/accel/binary_tree.h>
 #include <rayloom/accel/collapse.h>
 #include <rayloom/accel/layout.h>
-#include <rayloom/base/parallel.h>
 
 namespace rayloom::accel {
 
@@ -25,18 +24,6 @@ struct WideTree {
 
 /// Bytes of each leaf, by slot of the binary tree, in granules.
 using LeafBytes = std::vector<uint16_t>;
-
-/// bytes_of(leaf) for every leaf of the tree.
-template <class BytesOf>
-LeafBytes measure_leaves(const BinaryTree& tree, const BytesOf& bytes_of) {
-  LeafBytes granules(tree.size());
-  parallel_for(tree.size(), 1024, [&](uint64_t begin, uint64_t end) {
-    for (uint64_t slot = begin; slot < end; ++slot)
-      if (tree[slot].is_leaf() && tree[slot].count > 0)
-        granules[slot] = static_cast<uint16_t>(bytes_of(tree[slot]) / granule_bytes);
-  });
-  return granules;
-}
 
 /// Places nodes and leaves from `first_byte` on. A tree of one leaf gets a node above it.
 WideTree make_wide_tree(const BinaryTree& tree, uint64_t first_byte, const LeafBytes& leaf_bytes);

@@ -52,14 +52,24 @@ std::vector<PrimitiveRef> refs_of(std::span<const TriangleGeometry> geometries) 
   return refs;
 }
 
+/// Memory for any leaf.
+struct LeafMemory {
+  alignas(32) std::byte bytes[sizeof(PlainTriangleLeaf)];
+  const TriangleLeaf& leaf() const { return *reinterpret_cast<const TriangleLeaf*>(bytes); }
+};
+
+uint32_t slots_of(std::span<const TriangleGeometry> geometries) {
+  LeafMemory memory;
+  TriangleLeafWriter{geometries}.write(refs_of(geometries), memory.bytes);
+  return memory.leaf().slots;
+}
+
 /// Writes the leaf and reads every corner back.
 void check_round_trip(std::span<const TriangleGeometry> geometries, LeafForm form, uint64_t expected_bytes) {
   const std::vector<PrimitiveRef> refs = refs_of(geometries);
-  const LeafContents contents = leaf_contents(geometries, refs, form);
-  REQUIRE(contents.bytes() == expected_bytes);
-  alignas(32) std::byte bytes[sizeof(PlainTriangleLeaf)];
-  contents.write(bytes);
-  const auto& leaf = *reinterpret_cast<const TriangleLeaf*>(bytes);
+  LeafMemory memory;
+  REQUIRE(TriangleLeafWriter{geometries, form}.write(refs, memory.bytes) == expected_bytes);
+  const TriangleLeaf& leaf = memory.leaf();
   REQUIRE(leaf.bytes() == expected_bytes);
   REQUIRE(leaf.count == refs.size());
   for (uint32_t lane = 0; lane < leaf.count; ++lane) {
@@ -80,7 +90,7 @@ void check_round_trip(std::span<const TriangleGeometry> geometries, LeafForm for
 TEST_CASE("a leaf keeps each vertex once, and each triangle as it was given") {
   const Soup soup = strip(8);
   const TriangleGeometry geometry[] = {soup.geometry()};
-  CHECK(leaf_contents(geometry, refs_of(geometry), LeafForm::table).slots == 10);
+  CHECK(slots_of(geometry) == 10);
   check_round_trip(geometry, LeafForm::table, 192);
   check_round_trip(geometry, LeafForm::plain, 352);
   check_round_trip(geometry, LeafForm::full, 384);
@@ -90,11 +100,11 @@ TEST_CASE("equal vertices are found without indices, but zeros keep their signs"
   Soup soup = strip(2);
   soup.vertices[0] = 0.0f;
   TriangleGeometry copies[] = {soup.geometry(), soup.geometry()};
-  CHECK(leaf_contents(copies, refs_of(copies), LeafForm::table).slots == 4);
+  CHECK(slots_of(copies) == 4);
   Soup negative = soup;
   negative.vertices[0] = -0.0f;
   copies[1] = negative.geometry();
-  CHECK(leaf_contents(copies, refs_of(copies), LeafForm::table).slots == 5);
+  CHECK(slots_of(copies) == 5);
   check_round_trip(copies, LeafForm::table, TriangleLeaf::bytes(5, true));
 }
 
@@ -104,6 +114,18 @@ TEST_CASE("triangles with more vertices than a table holds make a plain leaf") {
     const TriangleGeometry geometry[] = {soup.geometry()};
     check_round_trip(geometry, LeafForm::table, count == 5 ? TriangleLeaf::bytes(15, false) : 352);
   }
+}
+
+TEST_CASE("what a plain leaf does not use is zero, whatever the memory held") {
+  const Soup soup = scattered(6);
+  const TriangleGeometry geometry[] = {soup.geometry()};
+  LeafMemory memory;
+  std::memset(memory.bytes, 0xAA, sizeof(memory.bytes));
+  TriangleLeafWriter{geometry}.write(refs_of(geometry), memory.bytes);
+  REQUIRE(memory.leaf().slots == TriangleLeaf::plain_slots);
+  for (uint32_t vertex = 0; vertex < 3; ++vertex)
+    for (uint32_t axis = 0; axis < 3; ++axis)
+      for (uint32_t lane = 6; lane < 8; ++lane) CHECK(memory.leaf().coordinate(vertex, axis, lane) == 0);
 }
 
 TEST_CASE("a leaf of several geometries names each lane's") {
