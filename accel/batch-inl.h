@@ -12,6 +12,11 @@
 
 #include <rayloom/accel/interleave-inl.h>
 #include <rayloom/accel/ray_run.h>
+#ifdef HWY_TARGET_INCLUDE
+#include <rayloom/accel/packet-inl.h>
+#endif
+
+#include <vector>
 
 #ifdef HWY_TARGET_INCLUDE
 HWY_BEFORE_NAMESPACE();
@@ -57,6 +62,83 @@ inline bool worth_entering(const TraceRequest& request) {
   return wants(request, header);
 }
 
+/// Closest hits of rays that may find something and do not go together.
+inline void trace_apart(AddressSpace addresses, const RayRun& rays, Hit* hits) {
+  constexpr size_t worth_interleaving = 4;
+  if (rays.count < worth_interleaving)
+    trace_one_by_one(addresses, rays, hits);
+  else
+    interleave<Order::distance>(addresses, rays, hits);
+}
+
+#ifdef HWY_TARGET_INCLUDE
+/// Groups of rays that go together as packets, the others apart; those of short runs are brought together so that they
+/// have company.
+class PacketBatch {
+ public:
+  PacketBatch(AddressSpace addresses, const RayRun& rays, Hit* hits)
+      : addresses_(addresses), rays_(rays), hits_(hits), task_(rays) {}
+
+  /// Returns the number of rays traced in packets.
+  size_t run() {
+    size_t begin = 0;  // of a run of groups that are no packets
+    for (size_t i = 0; i + packet_size <= rays_.count; i += packet_size) {
+      const uint32_t left = task_.trace(i, &hits_[i]);
+      if (left == all_rays) continue;
+      trace_others(begin, i);
+      begin = i + packet_size;
+      for (uint32_t ray = left; ray != 0; ray &= ray - 1) add_stray(i + static_cast<size_t>(std::countr_zero(ray)));
+    }
+    trace_others(begin, rays_.count);
+    trace_strays();
+    return rays_.count - apart_;
+  }
+
+ private:
+  static constexpr size_t long_run = 8 * packet_size;
+
+  void add_stray(size_t i) {
+    strays_.push_back(rays_[i]);
+    stray_hits_.push_back(&hits_[i]);
+  }
+
+  void trace_others(size_t begin, size_t end) {
+    if (end - begin >= long_run) {
+      apart_ += end - begin;
+      trace_apart(addresses_, rays_.part(begin, end - begin), &hits_[begin]);
+    } else {
+      for (size_t i = begin; i < end; ++i) add_stray(i);
+    }
+  }
+
+  void trace_strays() {
+    if (strays_.empty()) return;
+    apart_ += strays_.size();
+    std::vector<Hit> found(strays_.size());
+    trace_apart(addresses_, {rays_.shared, strays_.data(), sizeof(Ray), strays_.size()}, found.data());
+    for (size_t i = 0; i < found.size(); ++i) *stray_hits_[i] = found[i];
+  }
+
+  AddressSpace addresses_;
+  RayRun rays_;
+  Hit* hits_;
+  size_t apart_ = 0;
+  std::vector<Ray> strays_;
+  std::vector<Hit*> stray_hits_;
+  PacketTask task_;
+};
+#endif
+
+inline void trace_closest(AddressSpace addresses, const RayRun& rays, Hit* hits) {
+#ifdef HWY_TARGET_INCLUDE
+  if (rays.count >= packet_size && header_of(rays.shared->structure).kind == StructureKind::triangles) {
+    PacketBatch(addresses, rays, hits).run();
+    return;
+  }
+#endif
+  trace_apart(addresses, rays, hits);
+}
+
 inline void trace_run(AddressSpace addresses, const RayRun& rays, Hit* hits) {
   constexpr size_t worth_interleaving = 4;
   if (rays.shared->candidate || rays.count < worth_interleaving || !worth_entering(*rays.shared))
@@ -64,7 +146,7 @@ inline void trace_run(AddressSpace addresses, const RayRun& rays, Hit* hits) {
   else if (any_hit(*rays.shared))
     interleave<Order::stored>(addresses, rays, hits);
   else
-    interleave<Order::distance>(addresses, rays, hits);
+    trace_closest(addresses, rays, hits);
 }
 
 /// results[i]: whether ray i hits anything.

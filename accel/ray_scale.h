@@ -47,7 +47,8 @@ inline void order_axes(PreparedRay& out) {
 
 /// Constants of all three axes.
 struct BoxScale {
-  double direction;  ///< the factor, a power of two, that takes the direction to box space
+  double time;       ///< the factor, a power of two, that takes t to box space
+  double direction;  ///< its inverse, which takes the direction there
   float shortest;    ///< scaled components below this are taken for it
   float common_pad;  ///< the part of the pad that is equal on all axes
   float largest_pad;
@@ -57,19 +58,24 @@ inline float float_power_of_two(int exponent) {
   return std::bit_cast<float>(static_cast<uint32_t>(exponent + 127) << 23);
 }
 
-/// Also sets PreparedRay::box_scale. `largest`: largest |coordinate| of origin and bounds; `reach`: largest |plane -
-/// origin|. With 2^m above every coordinate, the scaled direction's dominant component lies in [2^q, 2^(q + 1)).
-/// No constant is subnormal: arithmetic on those is a hundred times slower.
-inline BoxScale box_scale_of(PreparedRay& out, float largest, float reach, float pad_scale) {
+/// `dominant`: magnitude of the direction's largest component; `largest`: largest |coordinate| of origin and bounds;
+/// `reach`: largest |plane - origin|. With 2^m above every coordinate, the scaled direction's dominant component lies
+/// in [2^q, 2^(q + 1)). No constant is subnormal: arithmetic on those is a hundred times slower.
+inline BoxScale box_scale_of(float dominant, float largest, float reach, float pad_scale) {
   const int m = std::min(static_cast<int>(std::bit_cast<uint32_t>(largest) >> 23) - 126, 127);
   const int q = std::max(0, m - 26);
-  const float dominant = std::fabs(out.direction[out.axis[2]]);
   const int shift = exponent_of(double{dominant}) - q;
-  out.box_scale = power_of_two(shift);
   const float coordinate = float_power_of_two(std::max(m, -78));
   const float transform_pad = 8 * float_unit * (std::max(1.0f, pad_scale) - 1) * reach;
   const float common_pad = 0x1p-48f * coordinate + 0x1p-46f * (0x1p-100f * std::max(dominant, 0x1p21f)) + transform_pad;
-  return {power_of_two(-shift), float_power_of_two(q - 96), common_pad, coordinate};
+  return {power_of_two(shift), power_of_two(-shift), float_power_of_two(q - 96), common_pad, coordinate};
+}
+
+/// The same for a ray whose axes are ordered; also sets PreparedRay::box_scale.
+inline BoxScale box_scale_of(PreparedRay& out, float largest, float reach, float pad_scale) {
+  const BoxScale scale = box_scale_of(std::fabs(out.direction[out.axis[2]]), largest, reach, pad_scale);
+  out.box_scale = scale.time;
+  return scale;
 }
 
 }  // namespace rayloom::accel

@@ -37,6 +37,8 @@ class Search {
   explicit Search(const TraceRequest& request) : Search(request, request.ray) {}
   /// `ray` instead of the request's own.
   Search(const TraceRequest& request, const Ray& ray) : request_(&request), ray_(&ray) { hit_.t = ray.t_max; }
+  /// One that has found `hit`, or nothing yet up to hit.t.
+  Search(const TraceRequest& request, const Ray& ray, const Hit& hit) : request_(&request), ray_(&ray), hit_(hit) {}
 
   const TraceRequest& request() const { return *request_; }
   const Ray& ray() const { return *ray_; }

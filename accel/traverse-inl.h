@@ -115,14 +115,14 @@ template <Order order, class Visitor>
   return true;
 }
 
-/// Depth first over one structure. `leaves.visit(level, lanes, address, search, visitor)` tests a leaf. True: search
-/// ended.
+/// Depth first from a node or leaf of one structure. `leaves.visit(level, lanes, address, search, visitor)` tests a
+/// leaf. True: search ended.
 template <Order order, class Leaves, class Visitor>
-bool traverse_level(Level& level, const Leaves& leaves, Search& search, Visitor& visitor) {
+bool traverse_subtree(Level& level, uint32_t from, const Leaves& leaves, Search& search, Visitor& visitor) {
   const BoxLanes boxes(level.ray);
   const typename Leaves::Lanes lanes(level.ray);
   TraversalStack stack;
-  stack.push(level.header().root, level.t_near);
+  stack.push(from, level.t_near);
   while (!stack.empty()) {
     auto [ref, near] = stack.pop();
     const bool culled = order == Order::distance && near > level.t_far;
@@ -139,8 +139,8 @@ bool traverse_level(Level& level, const Leaves& leaves, Search& search, Visitor&
 template <class Leaves, class Visitor>
 bool traverse_ordered(Level& level, const Leaves& leaves, Search& search, Visitor& visitor) {
   if (search.request().ray_flags & ray_flag::accept_first_hit_and_end_search)
-    return traverse_level<Order::stored>(level, leaves, search, visitor);
-  return traverse_level<Order::distance>(level, leaves, search, visitor);
+    return traverse_subtree<Order::stored>(level, level.header().root, leaves, search, visitor);
+  return traverse_subtree<Order::distance>(level, level.header().root, leaves, search, visitor);
 }
 
 struct TriangleLeaves {

@@ -50,6 +50,7 @@ struct BoxLanes {
 
 /// What triangle tests read of a ray, in the order of PreparedRay::axis.
 struct TriangleLanes {
+  TriangleLanes() = default;
   HWY_INLINE explicit TriangleLanes(const PreparedRay& ray) {
     const Floats d;
     for (int k = 0; k < 3; ++k) {
@@ -165,6 +166,11 @@ HWY_INLINE ShearedLeaf shear_table(const TriangleLanes& ray, const TriangleLeaf&
   return {vertex(0), vertex(1), vertex(2)};
 }
 
+HWY_INLINE ShearedLeaf shear_leaf(const TriangleLanes& ray, const TriangleLeaf& leaf) {
+  const bool plain = leaf.slots > TriangleLeaf::table_slots;
+  return HWY_UNLIKELY(plain) ? shear_plain(ray, leaf) : shear_table(ray, leaf);
+}
+
 HWY_INLINE FloatLanes edge_function(const ShearedVertex& a, const ShearedVertex& b) {
   return hn::MulSub(a.x, b.y, hn::Mul(a.y, b.x));
 }
@@ -180,8 +186,7 @@ HWY_INLINE FloatLanes edge_bound(FloatLanes extent, FloatLanes depth) {
 /// See scalar::test_triangles().
 HWY_INLINE LeafMasks test_triangles(const TriangleLanes& ray, const TriangleLeaf& leaf, const DepthInterval& depths) {
   const Floats d;
-  const bool plain = leaf.slots > TriangleLeaf::table_slots;
-  const auto [a, b, c] = HWY_UNLIKELY(plain) ? shear_plain(ray, leaf) : shear_table(ray, leaf);
+  const auto [a, b, c] = shear_leaf(ray, leaf);
   const FloatLanes ab = edge_function(a, b), bc = edge_function(b, c), ca = edge_function(c, a);
   const FloatLanes near = hn::Min(hn::Min(a.z, b.z), c.z), far = hn::Max(hn::Max(a.z, b.z), c.z);
   const FloatLanes extent = hn::Add(hn::Add(a.extent(), b.extent()), c.extent());
