@@ -58,7 +58,7 @@ void Collapse::place(uint32_t slot, uint32_t slots, ChildList& list) const {
 }
 
 ChildList Collapse::planned(uint32_t slot) const {
-  ChildList list;
+  ChildList list{};
   const uint32_t left = plans_[slot].left_share[0];
   place(slot + 1, left, list);
   place(tree_[slot].right, node_width - left, list);

@@ -8,10 +8,10 @@ namespace rayloom::accel {
 
 inline constexpr uint32_t node_width = 8;
 
-/// Which binary nodes become the children of a wide node.
+/// Which binary nodes become the children of a wide node. Starts as {}; a scratch array of them does not.
 struct ChildList {
-  uint32_t count = 0;
-  std::array<uint32_t, node_width> slot{};
+  uint32_t count;
+  std::array<uint32_t, node_width> slot;
   void push(uint32_t child) { slot[count++] = child; }
 };
 

@@ -15,9 +15,9 @@ struct WideNode {
 
 /// The wide tree laid out: a node's children lie together, inner nodes first, then leaves; nodes come depth first.
 struct WideTree {
-  std::vector<WideNode> nodes;  ///< in order of their addresses' depth-first visit; the root first
-  uint64_t bytes = 0;           ///< from the block's start to the end of the last leaf
-  uint32_t depth = 0;           ///< nodes on the longest path
+  ScratchVector<WideNode> nodes;  ///< depth first; the root first
+  uint64_t bytes = 0;             ///< from the block's start to the end of the last leaf
+  uint32_t depth = 0;             ///< nodes on the longest path
   uint64_t leaf_count = 0;
   double sah_cost = 0;
 };
