@@ -1,9 +1,8 @@
 #pragma once
 
 // Which split triangles a ray has asked its candidate function about. A triangle that lies in several leaves is met
-// again in each; one that was committed loses the tie against itself, one that was ignored must not be asked for again
-//. Triangles that lie in one leaf need no entry:
-// geometry_flag::split in the leaf tells.
+// again in each; one that was committed loses the tie against itself, one that was ignored must not be asked for again.
+// Triangles that lie in one leaf need no entry: geometry_flag::split in the leaf tells.
 
 #include <array>
 #include <cstdint>

@@ -3,10 +3,12 @@
 // What a trace has found so far, and the one rule by which a hit replaces another. Since the rule orders hits totally
 // (G3b), the closest hit does not depend on the order in which a tree offers them.
 
+#include <rayloom/accel/asked_triangles.h>
 #include <rayloom/accel/instance_rules.h>
 #include <rayloom/accel/trace.h>
 #include <rayloom/accel/triangle.h>
 
+#include <memory>
 #include <tuple>
 
 namespace rayloom::accel {
@@ -57,6 +59,7 @@ class Search {
     const uint32_t kind = front ? hit_kind_triangle_front_face : hit_kind_triangle_back_face;
     const Hit found{hit.t, hit.u, hit.v, name.instance, name.geometry, name.primitive, kind, HitType::triangle};
     if (outcome == Outcome::commit || !request_->candidate) return commit(found);
+    if ((geometry_word >> 24 & geometry_flag::split) && !is_new(name)) return Offer::rejected;
     const Verdict verdict = ask(found, rules, false, false, visitor);
     if (verdict.commit) commit(found);
     return after(verdict.commit, verdict.end_search);
@@ -82,6 +85,12 @@ class Search {
   }
 
  private:
+  /// Of a triangle that other leaves may name too: whether this ray has not asked for it yet (AH rows).
+  [[gnu::noinline, gnu::cold]] bool is_new(const HitName& name) {
+    if (!asked_) asked_ = std::make_unique<AskedTriangles>();
+    return asked_->is_new({name.instance, name.geometry, name.primitive});
+  }
+
   template <class Visitor>
   Verdict ask(const Hit& found, const InstanceRules& rules, bool opaque, bool wins_ties, Visitor& visitor) {
     const Candidate candidate{found.type,
@@ -115,6 +124,7 @@ class Search {
   const TraceRequest* request_ = nullptr;
   const Ray* ray_ = nullptr;
   Hit hit_;
+  std::unique_ptr<AskedTriangles> asked_;  ///< made for the first split triangle that is asked for
 };
 
 }  // namespace rayloom::accel

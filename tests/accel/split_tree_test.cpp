@@ -253,6 +253,41 @@ TEST_CASE("triangles that are not opaque stay whole, so each is asked for once")
   CHECK(references(build_geometries(both, with_splits)) > 2100);
 }
 
+TEST_CASE("forced to ask, a ray asks each split triangle once") {
+  const Mesh mesh = mixture(2000, 63);
+  const Block split = build_mesh(mesh, geometry_flag::opaque, with_splits);
+  const Block plain = build_mesh(mesh, geometry_flag::opaque, without_splits);
+  REQUIRE(references(split) > 2100);
+  InstanceDesc forced = instance_of(split);
+  forced.flags = instance_flag::force_non_opaque;
+  const Block top = build_instances({forced});
+  std::vector<std::vector<std::array<uint32_t, 4>>> first;
+  for_each_isa([&](Isa) {
+    Random random(68);
+    std::vector<std::vector<std::array<uint32_t, 4>>> trails;
+    size_t asked = 0, most = 0;
+    for (int i = 0; i < 300; ++i) {
+      const Ray ray = some_ray(mesh, random);
+      Recorder expected, by_ray, by_instance;
+      trace({}, expected.request(plain, ray, ray_flag::force_non_opaque));
+      trace({}, by_ray.request(split, ray, ray_flag::force_non_opaque));
+      trace({}, by_instance.request(top, ray));
+      trails.push_back(by_ray.trail());
+      CHECK(by_instance.trail() == trails.back());
+      auto all = expected.trail(), once = by_ray.trail();
+      std::sort(all.begin(), all.end());
+      std::sort(once.begin(), once.end());
+      CHECK(once == all);
+      asked += once.size();
+      most = std::max(most, once.size());
+    }
+    CHECK(asked > 1000);
+    CHECK(most > 8);  // more than the memory holds without allocating
+    if (first.empty()) first = trails;
+    CHECK(trails == first);
+  });
+}
+
 TEST_CASE("the same bytes for any number of threads (DET-07)") {
   const Mesh mesh = joined(mixture(30000, 65), sphere_in_box());
   std::vector<std::byte> first;
