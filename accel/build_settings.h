@@ -22,13 +22,14 @@ std::span<const Builder> all_builders();
 const char* builder_name(Builder builder);
 std::optional<Builder> parse_builder(std::string_view name);
 
-/// DXR's build flags (namespace build_flag), and a choice that DXR leaves to the driver.
+/// DXR's build flags (namespace build_flag), and choices that DXR leaves to the driver.
 struct BuildSettings {
-  constexpr BuildSettings(uint32_t build_flags, Builder chosen = Builder::automatic)
-      : flags(build_flags), builder(chosen) {}
+  constexpr BuildSettings(uint32_t build_flags, Builder chosen = Builder::automatic, bool open_instances = false)
+      : flags(build_flags), builder(chosen), rebraid(open_instances) {}
 
   uint32_t flags;
   Builder builder;
+  bool rebraid;  ///< top levels: instances that overlap others are split (rebraid.h); not with allow_update
 };
 
 }  // namespace rayloom::accel

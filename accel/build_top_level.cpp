@@ -3,6 +3,7 @@
 #include <rayloom/accel/collect_refs.h>
 #include <rayloom/accel/encode.h>
 #include <rayloom/accel/instance_leaf.h>
+#include <rayloom/accel/rebraid.h>
 #include <rayloom/accel/sizes.h>
 #include <rayloom/accel/tree_builder.h>
 #include <rayloom/base/float_environment.h>
@@ -76,6 +77,7 @@ uint64_t build_top_level(std::span<const InstanceDesc> instances, AddressSpace a
   StructureHeader header = top_level_header(instances, settings);
   PrimitiveRefs refs = instance_refs(instances, addresses, settings.flags & build_flag::allow_update);
   if (const size_t active = refs.size(); active > 0) {
+    if (may_rebraid(settings)) refs = rebraid(std::move(refs), instances, addresses, rebraid_bound(instances.size()));
     BuiltTree built = build_tree(std::move(refs), tree_input(header.kind, instances.size(), settings));
     const WideTree wide = make_wide_tree(built.tree, sizeof(StructureHeader),
                                          LeafBytes(built.tree.size(), sizeof(InstanceRecord) / granule_bytes));
@@ -84,7 +86,8 @@ uint64_t build_top_level(std::span<const InstanceDesc> instances, AddressSpace a
     open_ill_conditioned(instances, built.refs, built.tree);
     write_tree(built.tree, wide, built.refs, result.data(),
                [&](std::span<const PrimitiveRef> leaf, std::byte* address) {
-                 write_instance(instances[leaf[0].primitive], leaf[0].primitive, address);
+                 const PrimitiveRef& ref = leaf[0];
+                 write_instance(instances[ref.primitive], ref.primitive, ref.geometry, address);
                });
   }
   std::memcpy(result.data(), &header, sizeof(header));

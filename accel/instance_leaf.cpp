@@ -39,7 +39,7 @@ double conditioning(const InstanceDesc& desc) { return invert(desc.transform)->c
 
 float pad_scale_for(double largest) { return std::nextafter(static_cast<float>(1 + largest), Box::infinity); }
 
-void write_instance(const InstanceDesc& desc, uint32_t index, std::byte* address) {
+void write_instance(const InstanceDesc& desc, uint32_t index, uint32_t entry, std::byte* address) {
   InstanceRecord record;
   std::memset(&record, 0, sizeof(record));  // padding too: same input, same bytes
   const InverseTransform inverse = *invert(desc.transform);
@@ -49,6 +49,7 @@ void write_instance(const InstanceDesc& desc, uint32_t index, std::byte* address
   record.instance_index = index;
   record.id_and_mask = desc.instance_id | uint32_t{desc.instance_mask} << 24;
   record.contribution_and_flags = desc.instance_contribution_to_hit_group_index | uint32_t{desc.flags} << 24;
+  record.entry = entry;
   std::memcpy(address, &record, sizeof(record));
 }
 

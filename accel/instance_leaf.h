@@ -26,7 +26,7 @@ double conditioning(const InstanceDesc& desc);
 /// 1 + `largest`, rounded up: StructureHeader::pad_scale from the largest conditioning up to max_conditioning.
 float pad_scale_for(double largest);
 
-/// Writes the InstanceRecord of an active instance.
-void write_instance(const InstanceDesc& desc, uint32_t index, std::byte* address);
+/// Writes the InstanceRecord of an active instance, `entry` as there.
+void write_instance(const InstanceDesc& desc, uint32_t index, uint32_t entry, std::byte* address);
 
 }  // namespace rayloom::accel

@@ -51,12 +51,12 @@ struct alignas(64) Task {
   void pop() { ref = stack.pop_ref(); }
 
   /// False, and nothing has changed, if the ray misses everything.
-  bool enter(uint32_t slot, const std::byte* block, const Ray& ray, float pad_scale) {
+  bool enter(uint32_t slot, const std::byte* block, uint32_t start, const Ray& ray, float pad_scale) {
     level = std::construct_at(&levels[slot], block, ray, pad_scale, search);
     if (!level->ray.valid) return false;
     stack.push(level_end, 0);
     base = stack.size();
-    ref = level->header().root;
+    ref = start;
     in_triangles = level->header().kind == StructureKind::triangles;
     return true;
   }
@@ -199,14 +199,15 @@ class Interleaver {
   /// Gives the task the next ray that does not miss at once, if there is one.
   void start_next(Task& task) {
     const std::byte* const block = rays_.shared->structure;
-    const float pad_scale = instances ? header_of(block).pad_scale : 1;
+    const StructureHeader& header = header_of(block);
+    const float pad_scale = instances ? header.pad_scale : 1;
     while (next_ != rays_.count) {
       const Ray& ray = rays_[next_];
       task.index = next_++;
       task.search = Search(*rays_.shared, ray);
       task.stack.resize(0);
       task.ended = false;
-      if (task.enter(0, block, ray, pad_scale)) {
+      if (task.enter(0, block, header.root, ray, pad_scale)) {
         task.rules = rules_;
         return file(task);
       }
@@ -214,13 +215,14 @@ class Interleaver {
     }
   }
 
-  /// To the root of an instance, or past it.
+  /// To where an instance is entered, or past it.
   void enter_instance(Task& task) {
     const auto& instance = *reinterpret_cast<const InstanceRecord*>(task.address());
     const TraceRequest& request = task.search.request();
     const std::byte* const block = addresses_.host(instance.bottom_level_address);
-    if (!passes(instance, request, header_of(block)) ||
-        !task.enter(1, block, object_ray(instance, task.search.ray()), 1)) {
+    const StructureHeader& header = header_of(block);
+    if (!passes(instance, request, header) ||
+        !task.enter(1, block, entry_of(instance, header), object_ray(instance, task.search.ray()), 1)) {
       task.level = &task.levels[0];
       task.pop();
     } else {

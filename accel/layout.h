@@ -75,7 +75,8 @@ struct alignas(32) ProceduralLeaf8 {
 };
 static_assert(sizeof(ProceduralLeaf8) == 256);
 
-/// A leaf of a top-level structure: one instance, its inverse kept in double (numerics.md 3.5).
+/// A leaf of a top-level structure: one instance or, re-braided (rebraid.h), the part of it below one node; its inverse
+/// kept in double (numerics.md 3.5).
 struct alignas(32) InstanceRecord {
   double world_to_object[3][4];
   float object_to_world[3][4];  ///< as given
@@ -83,7 +84,7 @@ struct alignas(32) InstanceRecord {
   uint32_t instance_index;          ///< position in the build's array (SV-27)
   uint32_t id_and_mask;             ///< 24-bit InstanceID, mask in the top 8 bits
   uint32_t contribution_and_flags;  ///< 24-bit contribution to the hit group index, instance_flag bits in the top 8
-  uint32_t reserved;
+  uint32_t entry;                   ///< node_ref in the bottom level where rays start; 0: its root
 };
 static_assert(sizeof(InstanceRecord) == 192);
 

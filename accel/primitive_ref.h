@@ -8,7 +8,8 @@
 
 namespace rayloom::accel {
 
-/// What tree builders see of a primitive: its box and its name. Instances use geometry 0.
+/// What tree builders see of a primitive: its box and its name. Instances have the node
+/// where they are entered for a geometry, 0 for the root.
 /// Coordinates are finite and never -0, so that unions have the same bits in any order.
 struct PrimitiveRef {
   float min[3];

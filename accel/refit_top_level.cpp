@@ -7,13 +7,14 @@ namespace {
 
 constexpr float largest = std::numeric_limits<float>::max();
 
-/// An instance that has become inactive keeps its record for a later update; its box is empty.
+/// Structures that may be updated are not re-braided, so instances are entered at their roots. One that has become
+/// inactive keeps its record for a later update; its box is empty.
 Refitted refit_instance(std::span<const InstanceDesc> instances, AddressSpace addresses, std::byte* address) {
   const uint32_t index = reinterpret_cast<const InstanceRecord*>(address)->instance_index;
   const InstanceDesc& desc = instances[index];
   const auto box = instance_box(desc, addresses, index);
   if (!box) return {};
-  write_instance(desc, index, address);
+  write_instance(desc, index, 0, address);
   const double condition = conditioning(desc);
   if (condition <= max_conditioning) return {*box, *box, 0, condition};
   return {{{-largest, -largest, -largest}, {largest, largest, largest}}, *box, 0, 0};

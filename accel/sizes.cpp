@@ -16,6 +16,7 @@ uint64_t leaf_bytes(StructureKind kind) {
 }
 
 uint64_t leaf_budget(uint64_t primitives, StructureKind kind, const BuildSettings& settings) {
+  if (kind == StructureKind::instances && may_rebraid(settings)) return rebraid_bound(primitives);
   const bool splits = chosen_builder(kind, settings) == Builder::spatial_splits;
   const uint64_t references = splits ? split_reference_bound(primitives) : primitives;
   const uint64_t full = blocks_for(primitives, leaf_size(kind));

@@ -8,6 +8,8 @@
 #include <rayloom/accel/build_settings.h>
 #include <rayloom/accel/layout.h>
 
+#include <algorithm>
+
 namespace rayloom::accel {
 
 /// Rows of CAP-09.
@@ -24,6 +26,15 @@ uint64_t leaf_bytes(StructureKind kind);
 
 /// References that spatial splits may make of `primitives`.
 inline constexpr uint64_t split_reference_bound(uint64_t primitives) { return primitives + primitives / 2; }
+
+/// Whether a top level with these settings may hold several leaves an instance. Not where an update may give an
+/// instance another bottom level, whose nodes lie elsewhere.
+inline constexpr bool may_rebraid(const BuildSettings& settings) {
+  return settings.rebraid && !(settings.flags & build_flag::allow_update);
+}
+
+/// Leaves that re-braiding may make of `instances`: few large ones that overlap gain most.
+inline constexpr uint64_t rebraid_bound(uint64_t instances) { return std::min(16 * instances, 4 * instances + 4096); }
 
 /// Leaves a tree over `primitives` may have: half as many again as full leaves would take (an eighth with
 /// minimize_memory), and a few more so that small structures may split as they like.

@@ -137,10 +137,10 @@ bool traverse_subtree(Level& level, uint32_t from, const Leaves& leaves, Search&
 
 /// The same with the order that the ray's flags ask for.
 template <class Leaves, class Visitor>
-bool traverse_ordered(Level& level, const Leaves& leaves, Search& search, Visitor& visitor) {
+bool traverse_ordered(Level& level, uint32_t start, const Leaves& leaves, Search& search, Visitor& visitor) {
   if (search.request().ray_flags & ray_flag::accept_first_hit_and_end_search)
-    return traverse_subtree<Order::stored>(level, level.header().root, leaves, search, visitor);
-  return traverse_subtree<Order::distance>(level, level.header().root, leaves, search, visitor);
+    return traverse_subtree<Order::stored>(level, start, leaves, search, visitor);
+  return traverse_subtree<Order::distance>(level, start, leaves, search, visitor);
 }
 
 struct TriangleLeaves {
@@ -225,17 +225,21 @@ inline bool wants(const TraceRequest& request, const StructureHeader& header) {
 }
 
 template <class Visitor>
-bool traverse_bottom(const std::byte* block, const Ray& ray, const InstanceRules& rules, Search& search,
+bool traverse_bottom(const std::byte* block, uint32_t start, const Ray& ray, const InstanceRules& rules, Search& search,
                      Visitor& visitor) {
   Level level(block, ray, 1, search);
   if (!level.ray.valid) return false;
   if (level.header().kind == StructureKind::triangles)
-    return traverse_ordered(level, TriangleLeaves{rules}, search, visitor);
-  return traverse_ordered(level, ProceduralLeaves{rules}, search, visitor);
+    return traverse_ordered(level, start, TriangleLeaves{rules}, search, visitor);
+  return traverse_ordered(level, start, ProceduralLeaves{rules}, search, visitor);
 }
 
 inline bool passes(const InstanceRecord& instance, const TraceRequest& request, const StructureHeader& bottom_level) {
   return (instance.id_and_mask >> 24 & request.instance_mask) != 0 && wants(request, bottom_level);
+}
+
+inline uint32_t entry_of(const InstanceRecord& instance, const StructureHeader& bottom_level) {
+  return instance.entry != 0 ? instance.entry : bottom_level.root;
 }
 
 inline InstanceRules rules_of(const InstanceRecord& instance, const TraceRequest& request) {
@@ -258,7 +262,7 @@ struct InstanceLeaves {
     const Ray ray = object_ray(*instance, search.ray());
     const InstanceRules rules = rules_of(*instance, request);
     visitor.on_enter_instance(instance, ray);
-    const bool ended = traverse_bottom(block, ray, rules, search, visitor);
+    const bool ended = traverse_bottom(block, entry_of(*instance, header_of(block)), ray, rules, search, visitor);
     visitor.on_leave_instance(instance);
     return ended ? Offer::ended : Offer::committed;
   }
@@ -272,11 +276,11 @@ Hit traverse(AddressSpace addresses, const TraceRequest& request, Visitor& visit
   if (header.root == no_index) return search.hit();
   if (header.kind != StructureKind::instances) {
     const InstanceRules rules(0, 0, request.ray_flags, nullptr);
-    if (wants(request, header)) traverse_bottom(request.structure, request.ray, rules, search, visitor);
+    if (wants(request, header)) traverse_bottom(request.structure, header.root, request.ray, rules, search, visitor);
     return search.hit();
   }
   Level level(request.structure, request.ray, header.pad_scale, search);
-  if (level.ray.valid) traverse_ordered(level, InstanceLeaves{addresses}, search, visitor);
+  if (level.ray.valid) traverse_ordered(level, header.root, InstanceLeaves{addresses}, search, visitor);
   return search.hit();
 }
 

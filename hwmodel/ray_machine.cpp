@@ -53,18 +53,18 @@ void RayMachine::enter_structure() {
   if (!request_.structure) return;
   const StructureHeader& header = accel::header_of(request_.structure);
   if (header.root == accel::no_index) return;
-  if (header.kind == StructureKind::instances) return push_root(request_.structure, request_.ray, header.pad_scale);
+  if (header.kind == StructureKind::instances)
+    return push_start(request_.structure, header.root, request_.ray, header.pad_scale);
   rules_.emplace(0, 0, request_.ray_flags, nullptr);
-  if (accel::scalar::wants(request_, header)) push_root(request_.structure, request_.ray, 1);
+  if (accel::scalar::wants(request_, header)) push_start(request_.structure, header.root, request_.ray, 1);
 }
 
-void RayMachine::push_root(const std::byte* block, const accel::Ray& ray, float pad_scale) {
-  const StructureHeader& header = accel::header_of(block);
-  const bool bottom = header.kind != StructureKind::instances;
+void RayMachine::push_start(const std::byte* block, uint32_t start, const accel::Ray& ray, float pad_scale) {
+  const bool bottom = accel::header_of(block).kind != StructureKind::instances;
   auto& level = bottom ? bottom_ : top_;
   level.emplace(block, ray, pad_scale, *search_);
   if (!level->ray.valid) return level.reset();
-  (bottom ? bottom_stack_ : top_stack_).push(header.root, level->t_near);
+  (bottom ? bottom_stack_ : top_stack_).push(start, level->t_near);
 }
 
 RayStep RayMachine::next() {
@@ -186,7 +186,8 @@ void RayMachine::enter_instance() {
   rules_.emplace(instance_->instance_index, instance_->contribution_and_flags >> 24, request_.ray_flags,
                  reinterpret_cast<const std::byte*>(instance_));
   RayEventVisitor(capture_->header.addresses, *this).on_enter_instance(instance_, ray);
-  push_root(bytes_at(instance_->bottom_level_address), ray, 1);
+  const std::byte* const block = bytes_at(instance_->bottom_level_address);
+  push_start(block, accel::scalar::entry_of(*instance_, accel::header_of(block)), ray, 1);
 }
 
 void RayMachine::leave_instance() {

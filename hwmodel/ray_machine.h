@@ -72,7 +72,7 @@ class RayMachine {
   [[noreturn]] void mismatch(const std::string& what) const;
 
   void enter_structure();
-  void push_root(const std::byte* block, const accel::Ray& ray, float pad_scale);
+  void push_start(const std::byte* block, uint32_t start, const accel::Ray& ray, float pad_scale);
   RayStep step_to(uint32_t ref);
   const accel::InstanceRecord& instance_record() const;
   bool enters_instance() const;

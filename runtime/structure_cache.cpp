@@ -91,7 +91,9 @@ class Inspector {
       return reject("TL-11", "instance " + std::to_string(record.instance_index) + " of the structure at " +
                                  hexadecimal(address_) + " refers to " + hexadecimal(record.bottom_level_address) +
                                  ", where there is no bottom level any more");
-    result_.instances[record.instance_index] = &record;
+    if (accel::node_ref::offset(record.entry) >= bottom->bytes)
+      return reject("ERR-08", "the structure at " + hexadecimal(address_) + " is damaged");
+    result_.instances[record.instance_index] = &record;  // re-braided: any of its records, they differ in `entry` only
     note_candidates(record.contribution_and_flags >> 24, *bottom);
   }
 

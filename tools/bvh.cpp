@@ -21,7 +21,8 @@ constexpr const char* examples =
     "  rayloom bvh atrium                         a table on standard output\n"
     "  rayloom bvh house.glb --json=bvh.json      and every structure in a file\n"
     "  rayloom bvh atrium --prefer fast_build     as PREFER_FAST_BUILD asks\n"
-    "  rayloom bvh atrium --builder binned_sah    by this builder, whatever the flags\n";
+    "  rayloom bvh atrium --builder binned_sah    by this builder, whatever the flags\n"
+    "  rayloom bvh forest --rebraid               instances that overlap are entered at several nodes\n";
 
 constexpr size_t table_rows = 20;
 
@@ -133,6 +134,7 @@ int run_bvh(const BvhOptions& options, const CommonOptions& common) {
   report["threads"] = thread_limit();
   report["build_flags"] = options.settings.flags;
   report["builder"] = accel::builder_name(options.settings.builder);
+  report["rebraid"] = options.settings.rebraid;
   for (const BuiltStructure& structure : built.structures()) report["structures"].push_back(to_json(structure));
   const BuiltStructure sum = total(built.structures());
   report["total"] = {{"primitives", sum.info.primitives},
@@ -163,6 +165,8 @@ void add_bvh_command(CLI::App& app, CommonOptions& common, Action& action) {
          "--builder", [=](const std::string& name) { options->settings.builder = parse_builder_option(name); },
          "Builder, whatever the flags prefer; an unknown name lists them all")
       ->type_name("NAME");
+  sub->add_flag("--rebraid", options->settings.rebraid,
+                "Open instances that overlap others into several leaves of the top level");
   add_count(*sub, "--threads", options->threads, 0, 1024, "Threads, 0 for one a core");
   sub->callback([=, &common, &action] { action = [=, &common] { return run_bvh(*options, common); }; });
 }

@@ -37,8 +37,10 @@ class StructureChecker {
   TreeFacts facts;
 
  private:
-  /// Triangles may lie in several leaves then, and stick out of a leaf's box.
-  bool splits() const { return static_cast<Builder>(header_.builder) == Builder::spatial_splits; }
+  /// Triangles may lie in several leaves then, and stick out of a leaf's box; instances, when re-braided.
+  bool splits() const {
+    return static_cast<Builder>(header_.builder) == Builder::spatial_splits || header_.kind == StructureKind::instances;
+  }
 
   uint64_t bytes_of(const std::byte* leaf) const {
     switch (header_.kind) {

@@ -19,11 +19,12 @@ struct Scene {
   Arena arena{8 << 20};
   uint64_t top_level = 0;
 
-  Scene();
+  /// `row`: the boxes lie along a diagonal instead.
+  explicit Scene(const accel::BuildSettings& settings = 0, bool row = false);
 
  private:
   uint64_t build_triangles();
-  uint64_t build_boxes();
+  uint64_t build_boxes(bool row);
 };
 
 uint64_t Scene::build_triangles() {
@@ -45,12 +46,13 @@ uint64_t Scene::build_triangles() {
   return address;
 }
 
-uint64_t Scene::build_boxes() {
+uint64_t Scene::build_boxes(bool row) {
   std::vector<float> boxes;
   for (int i = 0; i < 40; ++i) {
-    const float center[3] = {float(i * 7 % 11) - 5, float(i * 5 % 9) - 4, float(i * 3 % 13) - 6};
+    const float cloud[3] = {float(i * 7 % 11) - 5, float(i * 5 % 9) - 4, float(i * 3 % 13) - 6};
+    const float line[3] = {float(i) / 4 - 5, float(i) / 5 - 4, float(i) / 3 - 6};
     for (const float half : {-0.5f, 0.5f})
-      for (const float c : center) boxes.push_back(c + half);
+      for (const float c : row ? line : cloud) boxes.push_back(c + half);
   }
   accel::AabbGeometry geometry;
   geometry.boxes = reinterpret_cast<const std::byte*>(boxes.data());
@@ -61,17 +63,17 @@ uint64_t Scene::build_boxes() {
   return address;
 }
 
-Scene::Scene() {
-  const uint64_t blocks[] = {build_triangles(), build_boxes()};
+Scene::Scene(const accel::BuildSettings& settings, bool row) {
+  const uint64_t blocks[] = {build_triangles(), build_boxes(row)};
   std::vector<accel::InstanceDesc> instances(4);
   for (size_t i = 0; i < 4; ++i) {
     instances[i] = {
         {{1, 0, 0, float(i) * 1.5f}, {0, 1, 0, 0}, {0, 0, 1, float(i) * 0.5f}}, 0, 0xFF, 0, 0, blocks[i % 2]};
   }
   instances[3].instance_mask = 0x0F;
-  const uint64_t bytes = accel::top_level_sizes(4, 0).result_bytes;
+  const uint64_t bytes = accel::top_level_sizes(4, settings).result_bytes;
   top_level = arena.allocate(bytes);
-  accel::build_top_level(instances, arena.addresses(), 0, {&arena.at<std::byte>(top_level), bytes});
+  accel::build_top_level(instances, arena.addresses(), settings, {&arena.at<std::byte>(top_level), bytes});
 }
 
 /// Shader: accepts every third candidate; procedural ones in the middle of what is left of the ray.
@@ -156,6 +158,22 @@ TEST_CASE("an untouched capture replays, and holds events of every kind") {
   CHECK(counts.candidates > 0);
   CHECK(counts.rays == 400);
   CHECK_FALSE(refused(capture, [](WarpCapture&) {}));
+}
+
+TEST_CASE("instances entered at several nodes replay, and hit the same") {
+  Scene plain(0, true), rebraided({accel::build_flag::none, accel::Builder::automatic, true}, true);
+  const auto info = accel::structure_info(&rebraided.arena.at<std::byte>(rebraided.top_level));
+  REQUIRE(info.leaves > info.active_primitives);
+  const Capture capture = capture_scene(rebraided);
+  CHECK_FALSE(refused(capture, [](WarpCapture&) {}));
+  CHECK(count(capture).instances != count(capture_scene(plain)).instances);
+  // The shaders of the other captures commit every third candidate, so that their hits depend on the order.
+  const accel::Ray ray{{0.3f, 0.2f, -9}, 0, {0, 0.05f, 1}, 100};
+  const auto hit = [&](Scene& scene) {
+    return accel::trace(scene.arena.addresses(), {ray, &scene.arena.at<std::byte>(scene.top_level)});
+  };
+  CHECK(hit(plain));
+  CHECK(hit(plain).t == hit(rebraided).t);
 }
 
 TEST_CASE("dropping any one event of a warp is noticed") {
