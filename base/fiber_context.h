@@ -24,6 +24,17 @@ struct Fiber::Context {
     own.switch_to(next.own, &next);
   }
   [[gnu::always_inline]] void yield() { own.switch_to(*caller, nullptr); }
+  /// The same among strands that leave their FloatModes as they are.
+  [[gnu::always_inline]] void resume_in_same_modes() {
+    detail::Strand here;
+    caller = &here;
+    here.switch_in_same_modes(own, this);
+  }
+  [[gnu::always_inline]] void yield_in_same_modes_to(Context& next) {
+    next.caller = caller;
+    own.switch_in_same_modes(next.own, &next);
+  }
+  [[gnu::always_inline]] void yield_in_same_modes() { own.switch_in_same_modes(*caller, nullptr); }
 
   /// First frame of the stack; never returns. A finished fiber waits here for its next function.
   static void entry(void* argument);

@@ -86,6 +86,10 @@ struct Strand {
     modes = FloatModes::current();
     if (!(modes == next.modes)) [[unlikely]]
       next.modes.set();
+    switch_in_same_modes(next, argument);
+  }
+  /// For strands that never change their FloatModes: to read them waits for all arithmetic before.
+  [[gnu::always_inline]] void switch_in_same_modes(Strand& next, void* argument) {
     known.leave_for(next.known);
     switch_stack(point, next.point, argument);
     known.arrive();

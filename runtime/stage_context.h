@@ -1,7 +1,8 @@
 #pragma once
 
 // The first parameter of every shader. A context offers exactly the intrinsics and system values its stage has in DXR
-// 1.1 (checklist STG-01..04, SV-01..08): anything else does not compile.
+// 1.1 (checklist STG-01..04, SV-01..08): anything else does not compile. A shader that changes the float modes (MXCSR)
+// puts them back before it calls one of these or returns.
 
 #include <rayloom/runtime/invocation.h>
 

@@ -24,9 +24,15 @@ struct TypeInfo {
   }
 };
 
+namespace detail {
 template <class T>
-inline TypeInfo type_info_of() {
-  return {&typeid(T), std::is_empty_v<T> ? 0u : static_cast<uint32_t>(sizeof(T))};
+inline constexpr TypeInfo static_type_info{&typeid(T), std::is_empty_v<T> ? 0u : static_cast<uint32_t>(sizeof(T))};
+}  // namespace detail
+
+/// A constant in memory: to write it down for each call and read it back at once stalls the processor.
+template <class T>
+constexpr const TypeInfo& type_info_of() {
+  return detail::static_type_info<T>;
 }
 
 }  // namespace rayloom

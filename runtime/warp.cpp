@@ -39,8 +39,6 @@ void run_ray_generation(Lane& lane) {
 
 /// A lane from beginning to end; nothing is thrown out of it.
 void run_lane(Lane& lane) {
-  if (!(FloatModes::current() == FloatModes::fixed())) [[unlikely]]
-    FloatModes::fixed().set();  // the lane before has left others
   try {
     run_ray_generation(lane);
   } catch (...) {
@@ -139,7 +137,9 @@ void Warp::run_on_fibers() {
   exception_state_ = thread_exception_state();
   move_exception_state(exception_state_, outer_exceptions);
   while (Fiber* const fiber = next_fiber()) {
-    fiber->resume();
+    fiber->context().resume_in_same_modes();
+    if (!(FloatModes::current() == FloatModes::fixed())) [[unlikely]]
+      FloatModes::fixed().set();  // a shader has left others
     *observer_ = nullptr;
     if (waiting_count_ != 0) trace_waiting();
   }

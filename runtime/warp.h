@@ -93,7 +93,7 @@ inline Fiber* Warp::next_fiber() {
 
 [[gnu::always_inline]] inline void Warp::give_turn(Fiber& fiber) {
   Fiber* const next = next_fiber();
-  next ? fiber.context().yield_to(next->context()) : fiber.context().yield();
+  next ? fiber.context().yield_in_same_modes_to(next->context()) : fiber.context().yield_in_same_modes();
 }
 
 // The C++ runtime keeps the exceptions a thread is handling in 16 bytes (Itanium C++ ABI 2.2.2). Each lane gets its
