@@ -1,3 +1,4 @@
+#include <rayloom/accel/binned_sah.h>
 #include <rayloom/accel/lbvh.h>
 #include <rayloom/accel/morton.h>
 #include <rayloom/accel/sequence_split.h>
@@ -13,8 +14,10 @@ namespace {
 class LbvhBuilder {
  public:
   LbvhBuilder(const PrimitiveRefs& refs, const TreeInput& input)
-      : unsorted_(refs), keys_(morton_keys(refs)), leaf_size_(input.leaf_size) {
-    sort_keys(keys_, refs);
+      : unsorted_(refs),
+        curve_(bounds_of(refs).centres),
+        keys_(sorted_keys(curve_, refs)),
+        leaf_size_(input.leaf_size) {
     built_.refs.resize(refs.size());
     built_.tree.resize(2 * input.leaf_budget - 1);
     build({0, 0, static_cast<uint32_t>(refs.size()), static_cast<uint32_t>(input.leaf_budget), 0});
@@ -37,12 +40,21 @@ class LbvhBuilder {
   uint32_t curve_cut(const Subtree& subtree) const {
     if (subtree.depth >= max_choice_depth) return middle_cut(subtree, leaf_size_);
     const auto keys = std::span(keys_).subspan(subtree.first, subtree.count);
-    const uint64_t change = keys.front().code ^ keys.back().code;
-    if (change == 0) return middle_cut(subtree, leaf_size_);
-    const uint64_t bit = std::bit_floor(change);
+    uint32_t cut = change_of(keys, [](const MortonKey& key) { return key.code; });
+    if (cut == 0) cut = change_of(keys, [this](const MortonKey& key) { return curve_.code(unsorted_[key.index]); });
+    if (cut == 0) return middle_cut(subtree, leaf_size_);
+    return fitting(subtree, cut);
+  }
+
+  /// How many keys have a 0 in the highest bit in which codes differ; 0: all are equal.
+  template <class CodeOf>
+  static uint32_t change_of(std::span<const MortonKey> keys, const CodeOf& code_of) {
+    const auto change = code_of(keys.front()) ^ code_of(keys.back());
+    const auto bit = std::bit_floor(change);
+    if (bit == 0) return 0;
     const auto cut =
-        std::partition_point(keys.begin(), keys.end(), [bit](const MortonKey& key) { return (key.code & bit) == 0; });
-    return fitting(subtree, static_cast<uint32_t>(cut - keys.begin()));
+        std::partition_point(keys.begin(), keys.end(), [&](const MortonKey& key) { return (code_of(key) & bit) == 0; });
+    return static_cast<uint32_t>(cut - keys.begin());
   }
 
   /// `cut`, or the multiple of the leaf size next to it when the budget has no block to spare.
@@ -63,6 +75,7 @@ class LbvhBuilder {
   }
 
   const PrimitiveRefs& unsorted_;
+  MortonCurve curve_;
   ScratchVector<MortonKey> keys_;
   uint32_t leaf_size_;
   BuiltTree built_;

@@ -11,19 +11,33 @@
 
 namespace rayloom::accel {
 
-/// A primitive's place on the curve and its index among the references.
+/// A primitive's place on the curve to 32 bits and its index among the references. All that is sorted for most keys.
 struct MortonKey {
-  uint64_t code;
+  uint32_t code;
   uint32_t index;
 };
 
 /// The code of grid cell (x, y, z), coordinates below 2^21; x has the highest bit.
 uint64_t morton_code(uint32_t x, uint32_t y, uint32_t z);
 
-/// Codes of the centres of `refs`, in their order, on a cubic grid over all centres.
-ScratchVector<MortonKey> morton_keys(std::span<const PrimitiveRef> refs);
+/// A curve over a cubic grid of 2^21 cells an axis that spans all centres. In double every float centre falls into the
+/// cell it lies in, to 2^-31 of a cell.
+class MortonCurve {
+ public:
+  explicit MortonCurve(const Box& centres);
+  uint64_t code(const PrimitiveRef& ref) const;
+  /// The upper 32 of the 63 bits.
+  uint32_t upper_code(const PrimitiveRef& ref) const;
 
-/// Sorts by code; equal codes by name of the reference. Any order in, the same references out.
-void sort_keys(ScratchVector<MortonKey>& keys, std::span<const PrimitiveRef> refs);
+ private:
+  uint32_t cell(const PrimitiveRef& ref, int axis) const {
+    return static_cast<uint32_t>(static_cast<int32_t>((double{ref.centre(axis)} - low_[axis]) * scale_));
+  }
+  double low_[3], scale_;
+};
+
+/// Keys of all `refs`, sorted by 63-bit code; equal codes by name of the reference. Any order in, the same references
+/// out.
+ScratchVector<MortonKey> sorted_keys(const MortonCurve& curve, std::span<const PrimitiveRef> refs);
 
 }  // namespace rayloom::accel

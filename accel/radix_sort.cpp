@@ -69,9 +69,9 @@ class RadixSort {
 
 }  // namespace
 
-void radix_sort(std::span<MortonKey> keys, int low_bit, int high_bit) {
+void radix_sort(std::span<MortonKey> keys) {
   RadixSort sort(keys);
-  for (int shift = low_bit; shift < high_bit; shift += digit_bits) sort.pass(shift);
+  for (int shift = 0; shift < 32; shift += digit_bits) sort.pass(shift);
   sort.finish(keys);
 }
 

@@ -4,7 +4,7 @@
 
 namespace rayloom::accel {
 
-/// Sorts by bits [low_bit, high_bit) of the codes, in parallel; keys equal there keep their order.
-void radix_sort(std::span<MortonKey> keys, int low_bit, int high_bit);
+/// Sorts by code, in parallel; keys of one code keep their order.
+void radix_sort(std::span<MortonKey> keys);
 
 }  // namespace rayloom::accel

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <rayloom/accel/primitive_ref.h>
+#include <rayloom/accel/float4.h>
 
 #include <cstddef>
 #include <span>
@@ -10,9 +10,15 @@ namespace rayloom::accel {
 /// Longest sequence the sweep below takes.
 inline constexpr size_t max_sweep = 64;
 
+struct SequenceCut {
+  size_t left_count;
+  Box4 left, right;  ///< boxes of the parts
+};
+
 /// Where to cut a sequence of references whose order stays: the first position of least surface area cost, counted in
 /// leaf blocks, whose parts fit `block_budget` blocks together. Always finds one when the whole fits.
-/// leaf_size < refs.size() <= max_sweep.
-size_t cheapest_cut(std::span<const PrimitiveRef> refs, const Box& box, uint32_t leaf_size, uint64_t block_budget);
+/// leaf_size < refs.size() <= max_sweep; leaf_size is a power of two.
+SequenceCut cheapest_cut(std::span<const PrimitiveRef> refs, const Box4& box, uint32_t leaf_size,
+                         uint64_t block_budget);
 
 }  // namespace rayloom::accel

@@ -1,16 +1,63 @@
-#include <rayloom/accel/float4.h>
 #include <rayloom/accel/sequence_split.h>
 #include <rayloom/accel/sequence_tree.h>
 
 #include <algorithm>
+#include <array>
 
 namespace rayloom::accel {
 namespace {
 
-uint32_t cut_of(std::span<const PrimitiveRef> range, const Box& box, uint32_t leaf_size, const Subtree& subtree) {
-  if (subtree.count > max_sweep || subtree.depth >= max_choice_depth) return middle_cut(subtree, leaf_size);
-  return static_cast<uint32_t>(cheapest_cut(range, box, leaf_size, subtree.budget));
+Box4 box_of(std::span<const PrimitiveRef> refs) {
+  Box4 box;
+  for (const PrimitiveRef& ref : refs) box.extend(box4(ref));
+  return box;
 }
+
+/// By counting for each how many come before it, without branches nobody can predict.
+void sort_leaf(std::span<PrimitiveRef> leaf) {
+  constexpr size_t most = 8;
+  if (leaf.size() > most) return std::sort(leaf.begin(), leaf.end(), name_less);
+  std::array<PrimitiveRef, most> from;
+  std::array<uint64_t, most> name;
+  std::copy(leaf.begin(), leaf.end(), from.begin());
+  for (size_t i = 0; i < leaf.size(); ++i) name[i] = uint64_t{leaf[i].geometry} << 32 | leaf[i].primitive;
+  for (size_t i = 0; i < leaf.size(); ++i) {
+    size_t before = 0;
+    for (size_t k = 0; k < leaf.size(); ++k) before += name[k] < name[i] || (k < i && name[k] == name[i]);
+    leaf[before] = from[i];
+  }
+}
+
+class SequenceBuilder {
+ public:
+  SequenceBuilder(std::span<PrimitiveRef> refs, uint32_t leaf_size, BinaryTree& tree)
+      : refs_(refs), leaf_size_(leaf_size), tree_(tree) {}
+
+  void build(const Subtree& subtree, const Box4& box) {
+    const auto range = range_of(subtree);
+    tree_[subtree.slot] = {box.box(), subtree.first, subtree.count, 0};
+    if (subtree.count <= leaf_size_) return sort_leaf(range);
+    const bool choice = subtree.count <= max_sweep && subtree.depth < max_choice_depth;
+    const SequenceCut cut = choice ? cheapest_cut(range, box, leaf_size_, subtree.budget) : middle(subtree);
+    const auto [left, right] = halves_of(subtree, static_cast<uint32_t>(cut.left_count), leaf_size_);
+    tree_[subtree.slot].right = right.slot;
+    build(left, cut.left);
+    build(right, cut.right);
+  }
+
+  std::span<PrimitiveRef> range_of(const Subtree& subtree) const { return refs_.subspan(subtree.first, subtree.count); }
+
+ private:
+  SequenceCut middle(const Subtree& subtree) const {
+    const auto range = range_of(subtree);
+    const uint32_t count = middle_cut(subtree, leaf_size_);
+    return {count, box_of(range.first(count)), box_of(range.subspan(count))};
+  }
+
+  std::span<PrimitiveRef> refs_;
+  uint32_t leaf_size_;
+  BinaryTree& tree_;
+};
 
 }  // namespace
 
@@ -19,16 +66,8 @@ uint32_t middle_cut(const Subtree& subtree, uint32_t leaf_size) {
 }
 
 void build_sequence(std::span<PrimitiveRef> refs, uint32_t leaf_size, const Subtree& subtree, BinaryTree& tree) {
-  const auto range = refs.subspan(subtree.first, subtree.count);
-  Box4 bounds;
-  for (const PrimitiveRef& ref : range) bounds.extend(box4(ref));
-  const Box box = bounds.box();
-  tree[subtree.slot] = {box, subtree.first, subtree.count, 0};
-  if (subtree.count <= leaf_size) return std::sort(range.begin(), range.end(), name_less);
-  const auto [left, right] = halves_of(subtree, cut_of(range, box, leaf_size, subtree), leaf_size);
-  tree[subtree.slot].right = right.slot;
-  build_sequence(refs, leaf_size, left, tree);
-  build_sequence(refs, leaf_size, right, tree);
+  SequenceBuilder builder(refs, leaf_size, tree);
+  builder.build(subtree, box_of(builder.range_of(subtree)));
 }
 
 }  // namespace rayloom::accel

@@ -1,3 +1,4 @@
+#include <rayloom/accel/binned_sah.h>
 #include <rayloom/accel/morton.h>
 #include <rayloom/base/parallel.h>
 
@@ -32,6 +33,8 @@ PrimitiveRefs clustered(size_t count, size_t dense, uint64_t seed) {
   return refs;
 }
 
+MortonCurve curve_of(std::span<const PrimitiveRef> refs) { return MortonCurve(bounds_of(refs).centres); }
+
 }  // namespace
 
 TEST_CASE("a code interleaves its coordinates' bits, x first") {
@@ -53,15 +56,21 @@ TEST_CASE("a code interleaves its coordinates' bits, x first") {
 TEST_CASE("the grid spans the centres and tells 63 bits apart") {
   const PrimitiveRefs refs{ref_at(0, 0, 0, 0), ref_at(1, 1, 1, 1), ref_at(0x1p-20f, 0, 0, 2),
                            ref_at(0, 0, 0x1p-20f, 3)};
-  const auto keys = morton_keys(refs);
-  CHECK(keys[0].code == 0);
-  CHECK(keys[1].code == 0x7FFFFFFFFFFFFFFF);
-  CHECK(keys[2].code == 4);
-  CHECK(keys[3].code == 1);
+  const MortonCurve curve = curve_of(refs);
+  CHECK(curve.code(refs[0]) == 0);
+  CHECK(curve.code(refs[1]) == 0x7FFFFFFFFFFFFFFF);
+  CHECK(curve.code(refs[2]) == 4);
+  CHECK(curve.code(refs[3]) == 1);
   const PrimitiveRefs huge{ref_at(-3e38f, 0, 0, 0), ref_at(3e38f, 0, 0, 1)};
-  CHECK(morton_keys(huge)[1].code == morton_code(0x1FFFFF, 0, 0));
+  CHECK(curve_of(huge).code(huge[1]) == morton_code(0x1FFFFF, 0, 0));
   const PrimitiveRefs equal(9, ref_at(1, 2, 3, 0));
-  for (const MortonKey& key : morton_keys(equal)) CHECK(key.code == 0);
+  for (const PrimitiveRef& ref : equal) CHECK(curve_of(equal).code(ref) == 0);
+}
+
+TEST_CASE("the upper code is the code's upper 32 bits") {
+  const PrimitiveRefs refs = clustered(5000, 2000, 73);
+  const MortonCurve curve = curve_of(refs);
+  for (const PrimitiveRef& ref : refs) REQUIRE(curve.upper_code(ref) == curve.code(ref) >> 31);
 }
 
 TEST_CASE("keys are sorted by code, then by name, for any number of threads") {
@@ -69,11 +78,13 @@ TEST_CASE("keys are sorted by code, then by name, for any number of threads") {
     const PrimitiveRefs refs = clustered(200000, dense, 72);
     for (const unsigned threads : {1u, 3u}) {
       const ThreadLimit limit(threads);
-      auto keys = morton_keys(refs), expected = keys;
-      sort_keys(keys, refs);
-      const auto order = [](const MortonKey& key) { return std::tuple(key.code, key.index); };
+      const MortonCurve curve = curve_of(refs);
+      const auto keys = sorted_keys(curve, refs);
+      auto expected = keys;
+      const auto order = [&](const MortonKey& key) { return std::tuple(curve.code(refs[key.index]), key.index); };
       std::sort(expected.begin(), expected.end(),
                 [&](const MortonKey& a, const MortonKey& b) { return order(a) < order(b); });
+      for (const MortonKey& key : keys) REQUIRE(key.code == curve.upper_code(refs[key.index]));
       size_t wrong = 0;
       for (size_t i = 0; i < keys.size(); ++i) wrong += order(keys[i]) != order(expected[i]);
       CHECK(wrong == 0);
@@ -84,7 +95,6 @@ TEST_CASE("keys are sorted by code, then by name, for any number of threads") {
 TEST_CASE("equal codes go by name, not by the order they came in") {
   PrimitiveRefs refs;
   for (uint32_t i = 0; i < 1000; ++i) refs.push_back(ref_at(i < 500 ? 0.0f : 1.0f, 0, 0, 999 - i));
-  auto keys = morton_keys(refs);
-  sort_keys(keys, refs);
+  const auto keys = sorted_keys(curve_of(refs), refs);
   for (size_t i = 0; i < keys.size(); ++i) REQUIRE(refs[keys[i].index].primitive == (i + 500) % 1000);
 }
