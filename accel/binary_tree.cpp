@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cassert>
-#include <memory>
 
 namespace rayloom::accel {
 namespace {
@@ -13,10 +12,7 @@ namespace {
 class BinaryBuilder {
  public:
   BinaryBuilder(std::span<PrimitiveRef> refs, const BinaryBuildOptions& options)
-      : refs_(refs),
-        scratch_(std::make_unique_for_overwrite<PrimitiveRef[]>(refs.size())),
-        leaf_size_(options.leaf_size),
-        tree_(2 * options.leaf_budget - 1) {
+      : refs_(refs), scratch_(refs.size()), leaf_size_(options.leaf_size), tree_(2 * options.leaf_budget - 1) {
     assert(options.leaf_budget >= blocks_for(refs.size(), leaf_size_));
     const auto count = static_cast<uint32_t>(refs.size());
     build({0, 0, count, static_cast<uint32_t>(options.leaf_budget), 0});
@@ -41,12 +37,12 @@ class BinaryBuilder {
     const auto refs = refs_.subspan(subtree.first, subtree.count);
     if (subtree.depth < max_choice_depth)
       if (const auto split = find_binned_split(refs, centres, leaf_size_, subtree.budget))
-        return partition_by_split(refs, {scratch_.get() + subtree.first, subtree.count}, *split);
+        return partition_by_split(refs, std::span(scratch_).subspan(subtree.first, subtree.count), *split);
     return partition_by_median(refs, centres, leaf_size_);
   }
 
   std::span<PrimitiveRef> refs_;
-  std::unique_ptr<PrimitiveRef[]> scratch_;
+  PrimitiveRefs scratch_;
   uint32_t leaf_size_;
   BinaryTree tree_;
 };

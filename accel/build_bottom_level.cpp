@@ -74,24 +74,18 @@ LeafBytes equal_sizes(const BuiltTree& built, uint64_t bytes) {
   return LeafBytes(built.tree.size(), static_cast<uint16_t>(bytes / granule_bytes));
 }
 
-/// The fastest builder has no time to look for equal vertices.
-LeafForm leaf_form(const TreeInput& input) {
-  if (input.build_flags & build_flag::allow_update) return LeafForm::full;
-  return input.builder == Builder::lbvh ? LeafForm::plain : LeafForm::table;
-}
-
 void write_leaves_and_nodes(std::span<const TriangleGeometry> geometries, const TreeInput& input,
                             const BuiltTree& built, StructureHeader& header, std::byte* block) {
-  const TriangleLeafWriter writer{geometries, leaf_form(input), input.builder == Builder::spatial_splits};
-  if (writer.form == LeafForm::table) {
-    const EncodedLeaves leaves(built.tree, built.refs, writer);
-    return write_structure(built, leaves.sizes(), TriangleLeaf::overread_bytes, header, block,
-                           [&](uint32_t slot, std::byte* address) { leaves.write(slot, address); });
-  }
-  const bool mixed = writer.form == LeafForm::full || geometries.size() > 1;
-  write_structure(built, equal_sizes(built, TriangleLeaf::bytes(TriangleLeaf::plain_slots, mixed)),
-                  TriangleLeaf::overread_bytes, header, block,
-                  [&](uint32_t slot, std::byte* address) { writer.write(refs_of(built, slot), address); });
+  const bool updatable = input.build_flags & build_flag::allow_update;
+  const TriangleLeafWriter writer{geometries, updatable ? LeafForm::full : LeafForm::table,
+                                  input.builder == Builder::spatial_splits};
+  constexpr uint64_t overread = TriangleLeaf::overread_bytes;
+  if (updatable)
+    return write_structure(built, equal_sizes(built, sizeof(PlainTriangleLeaf)), overread, header, block,
+                           [&](uint32_t slot, std::byte* address) { writer.write(refs_of(built, slot), address); });
+  const EncodedLeaves leaves(built.tree, built.refs, writer);
+  write_structure(built, leaves.sizes(), overread, header, block,
+                  [&](uint32_t slot, std::byte* address) { leaves.write(slot, address); });
 }
 
 void write_leaves_and_nodes(std::span<const AabbGeometry> geometries, const TreeInput&, const BuiltTree& built,

@@ -11,17 +11,17 @@
 
 namespace rayloom::accel {
 
-/// Memory handed out in pieces to several threads, of at most `block_bytes` each; all is kept until the end.
+/// Memory handed out to several threads in pieces of at most `block_bytes`; all is kept until the end.
 class ScratchArena {
  public:
-  static constexpr size_t block_bytes = size_t{4} << 20;
-
+  explicit ScratchArena(size_t block_bytes) : block_bytes_(block_bytes), used_(block_bytes) {}
   std::byte* allocate(size_t bytes);
 
  private:
+  size_t block_bytes_;
+  size_t used_;  ///< of the last block
   std::mutex mutex_;
   std::vector<ScratchVector<std::byte>> blocks_;
-  size_t used_ = block_bytes;  ///< of the last block
 };
 
 class EncodedLeaves {

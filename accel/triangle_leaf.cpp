@@ -100,7 +100,7 @@ uint64_t TriangleLeafWriter::write(std::span<const PrimitiveRef> refs, std::byte
   Corners corners;
   uint32_t geometry[leaf_lanes] = {};
   uint32_t split = 0;
-  bool mixed = form == LeafForm::full || (form == LeafForm::plain && geometries.size() > 1);
+  bool mixed = form == LeafForm::full;
   std::fill_n(leaf.primitive, leaf_lanes, no_index);
   for (size_t lane = 0; lane < count; ++lane) {
     const uint32_t index = refs[lane].geometry;

@@ -11,9 +11,8 @@
 namespace rayloom::accel {
 
 enum class LeafForm : uint8_t {
-  table,  ///< the smallest: equal vertices once
-  plain,  ///< every lane keeps its own vertices
-  full,   ///< and its own geometry: PlainTriangleLeaf, which can be updated
+  table,  ///< the smallest: equal vertices once, unless there are too many
+  full,   ///< every lane keeps its own vertices and geometry: PlainTriangleLeaf, which can be updated
 };
 
 struct TriangleLeafWriter {

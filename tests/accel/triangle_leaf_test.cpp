@@ -92,7 +92,6 @@ TEST_CASE("a leaf keeps each vertex once, and each triangle as it was given") {
   const TriangleGeometry geometry[] = {soup.geometry()};
   CHECK(slots_of(geometry) == 10);
   check_round_trip(geometry, LeafForm::table, 192);
-  check_round_trip(geometry, LeafForm::plain, 352);
   check_round_trip(geometry, LeafForm::full, 384);
 }
 
@@ -133,5 +132,5 @@ TEST_CASE("a leaf of several geometries names each lane's") {
   TriangleGeometry geometries[] = {first.geometry(), second.geometry()};
   geometries[1].flags = geometry_flag::opaque;
   check_round_trip(geometries, LeafForm::table, TriangleLeaf::bytes(6, true));
-  check_round_trip(geometries, LeafForm::plain, 384);
+  check_round_trip(geometries, LeafForm::full, 384);
 }
