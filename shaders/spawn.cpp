@@ -38,6 +38,7 @@ SpawnPoint make_spawn_point(double3 object_point, double3 object_normal, double3
   const double k = glm::length(normal);
   SpawnPoint spawn;
   spawn.position = transform_point(object_to_world, object_point);
+  spawn.start = spawn.position;
   spawn.normal = k > 0 ? normal / k : object_normal;
   const double world_error = glm::dot(glm::abs(spawn.normal), glm::abs(spawn.position));
   const double object_error = k > 0 ? glm::dot(glm::abs(object_normal), rounding) / k : 0.0;
@@ -45,6 +46,33 @@ SpawnPoint make_spawn_point(double3 object_point, double3 object_normal, double3
   const double3 lengths(glm::length(inverse.row[0]), glm::length(inverse.row[1]), glm::length(inverse.row[2]));
   spawn.grazing = safety * half_ulp * (4 + glm::dot(glm::abs(object_normal), lengths) / k);
   return spawn;
+}
+
+double3 transform_vector(const float3x4& m, double3 v) {
+  return {glm::dot(row_of(m, 0), v), glm::dot(row_of(m, 1), v), glm::dot(row_of(m, 2), v)};
+}
+
+/// How far in world space rounding may take an origin near `object_point`, in any direction.
+double largest_stray(const SpawnPoint& spawn, double3 object_point, const float3x4& m) {
+  const double3 rows(glm::length(row_of(m, 0)), glm::length(row_of(m, 1)), glm::length(row_of(m, 2)));
+  return safety * half_ulp * (glm::length(spawn.position) + glm::length(rows) * glm::length(object_point));
+}
+
+/// The position; where it lies closer to an edge than `margin`, moved towards the triangle's centre until it does not,
+/// but by three margins at most.
+double3 off_edges(double3 position, const std::array<double3, 3>& corners, double3 weights, double margin) {
+  const double area = glm::length(glm::cross(corners[1] - corners[0], corners[2] - corners[0]));
+  double share = 0;
+  for (int i = 0; i < 3; ++i) {
+    const double height = area / glm::length(corners[(i + 2) % 3] - corners[(i + 1) % 3]);
+    const double distance = weights[i] * height;
+    if (distance < margin)
+      share = std::fmax(share, height > 3 * margin ? (margin - distance) / (height / 3 - distance) : 1);
+  }
+  if (share == 0) return position;
+  const double3 to_centre = (corners[0] + corners[1] + corners[2]) / 3.0 - position;
+  const double way = share * glm::length(to_centre);
+  return position + std::fmin(1.0, 3 * margin / way) * share * to_centre;
 }
 
 }  // namespace
@@ -55,7 +83,15 @@ SpawnPoint triangle_spawn_point(const std::array<float3, 3>& vertices, float2 ba
   const double3 edge1 = v1 - v0, edge2 = v2 - v0;
   const double3 point = v0 + double{barycentrics.x} * edge1 + double{barycentrics.y} * edge2;
   const double3 reach = glm::max(glm::abs(v0), glm::max(glm::abs(v1), glm::abs(v2)));
-  return make_spawn_point(point, glm::normalize(glm::cross(edge1, edge2)), glm::abs(point) + reach, object_to_world);
+  const double3 normal = glm::normalize(glm::cross(edge1, edge2));
+  SpawnPoint spawn = make_spawn_point(point, normal, glm::abs(point) + reach, object_to_world);
+  const double3 start = transform_point(object_to_world, v0);
+  const std::array<double3, 3> corners{start, start + transform_vector(object_to_world, edge1),
+                                       start + transform_vector(object_to_world, edge2)};
+  const double b1 = barycentrics.x, b2 = barycentrics.y;
+  const double margin = 2 * (largest_stray(spawn, point, object_to_world) + spawn.offset);
+  spawn.start = off_edges(spawn.position, corners, {1 - b1 - b2, b1, b2}, margin);
+  return spawn;
 }
 
 SpawnPoint sphere_spawn_point(float3 center, float radius, double3 object_point, const float3x4& object_to_world) {

@@ -16,12 +16,13 @@ using double3 = glm::dvec3;
 struct SpawnPoint {
   double3 position;  ///< on the surface, world space
   double3 normal;    ///< unit, world space: to the side from which the surface shows its front
-  double offset;     ///< an origin this far from `position` along +-normal is safe on that side
+  double3 start;     ///< the same, kept off the surface's edges by what rounding may do
+  double offset;     ///< an origin this far from `start` along +-normal is safe on that side
   double grazing;    ///< the sine that a ray's angle with the surface must exceed, below 1e-6 for mild transforms
 
   /// A float origin on the front (or the back) of the surface. Rays that leave to that side with
   /// |dot(direction, normal)| > grazing |direction| do not hit the surface they came from.
-  float3 origin(bool front) const { return float3(position + (front ? offset : -offset) * normal); }
+  float3 origin(bool front) const { return float3(start + (front ? offset : -offset) * normal); }
 };
 
 /// `barycentrics`: weights of vertices 1 and 2 as a hit reports them; vertices in object space, the matrix as the

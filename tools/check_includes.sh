@@ -12,7 +12,7 @@ declare -A may_include=(
   [hwmodel]="base accel runtime hwmodel"
   [scenes]="base scenes"
   [shaders]="base accel runtime scenes shaders"
-  [tools]="base accel runtime hwmodel scenes shaders tools"
+  [tools]="base accel runtime hwmodel scenes shaders tools tests"  # bench/numerics shares oracles with the tests
 )
 # Headers a public header of accel or hwmodel may name: the standard library's, and ours.
 standard='^(<[a-z0-9_]+>|<rayloom/.*>)$'
