@@ -100,6 +100,7 @@ enum Extreme : size_t { offset_ulps };
 void leave(RowRun& run, const Surface& surface, const MeshTracer& tracer, Random& random, Tally& tally) {
   const float2 barycentrics = shaders::uniform_triangle({random.uniform(0, 0.999999f), random.uniform(0, 0.999999f)});
   const SpawnPoint spawn = surface.spawn(barycentrics, run.subject.spawn_scale());
+  if (std::isnan(spawn.offset)) return;  // without area: never hit
   const bool front = random.chance(2);
   const float3 normal(front ? spawn.normal : -spawn.normal);
   const float grazing = std::pow(10.0f, -1.0f - static_cast<float>(random.below(4)));
@@ -175,7 +176,7 @@ bool leaks_light(const Subject& subject, const ClosedBox& box, uint32_t bounces,
 
 void run_self_hits(RowRun& run) {
   constexpr uint64_t rays = 512;
-  const Tally tally = run.sample(run.rays(2000000) / rays + 1, 4, [&](Random& random, Tally& t) {
+  const Tally tally = run.sample(run.rays(4000000) / rays + 1, 4, [&](Random& random, Tally& t) {
     const Surface surface = random_surface(random);
     if (!is_usable(surface)) return;
     const auto tracer = run.subject.tracer({surface.mesh}, {surface.transform});
@@ -203,7 +204,7 @@ void run_light_leaks(RowRun& run) {
   for (const float scale : {1e-6f, 1e-3f, 1.0f, 1e3f, 1e6f})
     for (const float offset : {0.0f, 1.0f, 1e3f, 1e6f}) {
       const ClosedBox box = closed_box(run.subject, scale, offset * scale);
-      total.merge(run.sample(run.rays(60000) / 20 + 1, 64, [&](Random& random, Tally& t) {
+      total.merge(run.sample(run.rays(400000) / 40 + 1, 64, [&](Random& random, Tally& t) {
         t.add(0, leaks_light(run.subject, box, bounces, random));
       }));
     }
