@@ -174,7 +174,7 @@ void shoot_heights(RowRun& run, uint64_t rays) {
 }  // namespace
 
 void run_box_misses(RowRun& run) {
-  const Tally tally = run.sample(run.rays(400000), 256, [&](Random& random, Tally& t) {
+  const Tally tally = run.sample(run.rays(1000000), 256, [&](Random& random, Tally& t) {
     const Case c = any_case(random);
     const auto hit = run.subject.triangle(c.ray, c.triangle);
     if (!hit) return;
@@ -214,7 +214,7 @@ void run_node_enclosure(RowRun& run) {
 }
 
 void run_axis_aligned(RowRun& run) {
-  const Tally tally = run.sample(run.rays(1000000), 1024, [&](Random& random, Tally& t) {
+  const Tally tally = run.sample(run.rays(2000000), 1024, [&](Random& random, Tally& t) {
     const Ray ray = on_grid_ray(random);
     const Box box = on_grid_box(random);
     Box root = box;

@@ -88,7 +88,7 @@ double seconds_of(const Shots& shots) {
 /// call to call.
 void compare_states(RowRun& run, std::span<const NamedState> states) {
   uint64_t different = 0, rays = 0;
-  for (const float scale : {1.0f, 1e-15f, 1e-19f, 0x1p-100f}) {
+  for (const float scale : {1.0f, 1e-12f, 1e-15f, 1e-19f, 0x1p-100f}) {
     const Shots shots = shots_at(run.subject, scale, run.slow(2000), run.seed());
     const FloatEnvironment environment;
     const auto expected = trace_all(shots);

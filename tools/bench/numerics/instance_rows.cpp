@@ -56,6 +56,7 @@ enum Extreme : size_t { of_bound };
 /// |P - Q| / bound in the maximum norm: P the hit's point by its barycentrics through the exact transform, Q the ray's
 /// point at t; the bound is D of docs/numerics.md, section 4, and the rounding of t, u and v.
 double error_of_bound(const Placed& placed, const Meshes& meshes, const Ray& ray, const accel::Hit& hit) {
+  if (!std::isfinite(hit.t) || !std::isfinite(hit.u) || !std::isfinite(hit.v)) return accel::Box::infinity;
   const auto& [a, b, c] = meshes.mesh.triangles[hit.primitive_index];
   const Point &v0 = meshes.mesh.vertices[a], &v1 = meshes.mesh.vertices[b], &v2 = meshes.mesh.vertices[c];
   mpq_class object[3];
@@ -111,7 +112,7 @@ void try_chain(const Subject& subject, const Meshes& meshes, uint32_t length, Ra
     const Ray ray =
         ray_between(transformed(placed->transform, {0.1f, 0, -0.1f}), transformed(placed->transform, towards));
     const accel::Hit hit = placed->tracer->closest(ray);
-    if (!hit) continue;
+    if (!hit || !std::isfinite(hit.t)) continue;
     const auto& [a, b, c] = meshes.mesh.triangles[hit.primitive_index];
     const auto exact = chain.exact_t(ray, {meshes.mesh.vertices[a], meshes.mesh.vertices[b], meshes.mesh.vertices[c]});
     const double reach = chain.reach() / (std::fabs(hit.t) * largest(ray.direction));

@@ -9,6 +9,8 @@
 
 #include <cstring>
 
+#include <fmt/format.h>
+
 namespace rayloom::bench::numerics {
 namespace {
 
@@ -146,8 +148,17 @@ struct ClosedBox {
   Point centre;
 };
 
-ClosedBox closed_box(const Subject& subject, float scale, float offset) {
-  ClosedBox box{accel::test::moved(accel::test::cube(2), scale, offset), nullptr, {offset, offset, offset}};
+/// Turned by the rotation of the quaternion (4, 1, 2, 3) / sqrt(30), so that no wall lies in a plane of floats.
+Point turned(const Point& p) {
+  return {(4 * p[0] - 20 * p[1] + 22 * p[2]) / 30, (28 * p[0] + 10 * p[1] + 4 * p[2]) / 30,
+          (-10 * p[0] + 20 * p[1] + 20 * p[2]) / 30};
+}
+
+ClosedBox closed_box(const Subject& subject, bool is_turned, float scale, float offset) {
+  Mesh mesh = accel::test::cube(2);
+  if (is_turned)
+    for (Point& p : mesh.vertices) p = turned(p);
+  ClosedBox box{accel::test::moved(mesh, scale, offset), nullptr, {offset, offset, offset}};
   box.tracer = subject.tracer({box.mesh});
   return box;
 }
@@ -201,13 +212,18 @@ void run_missed_contact(RowRun& run) {
 void run_light_leaks(RowRun& run) {
   Tally total;
   constexpr uint32_t bounces = 8;
-  for (const float scale : {1e-6f, 1e-3f, 1.0f, 1e3f, 1e6f})
-    for (const float offset : {0.0f, 1.0f, 1e3f, 1e6f}) {
-      const ClosedBox box = closed_box(run.subject, scale, offset * scale);
-      total.merge(run.sample(run.rays(400000) / 40 + 1, 64, [&](Random& random, Tally& t) {
-        t.add(0, leaks_light(run.subject, box, bounces, random));
-      }));
-    }
+  for (const bool is_turned : {false, true})
+    for (const float scale : {1e-6f, 1e-3f, 1.0f, 1e3f, 1e6f})
+      for (const float offset : {0.0f, 1.0f, 1e3f, 1e6f}) {
+        const ClosedBox box = closed_box(run.subject, is_turned, scale, offset * scale);
+        const Tally here = run.sample(run.rays(400000) / 40 + 1, 64, [&](Random& random, Tally& t) {
+          t.add(0, leaks_light(run.subject, box, bounces, random));
+        });
+        if (here.count[0])
+          run.note(fmt::format("{} of {} paths left the {} box of scale {} at {} scales", here.count[0], here.cases,
+                               is_turned ? "turned" : "straight", scale, offset));
+        total.merge(here);
+      }
   run.none("paths that left a closed box", total.count[0], total.cases, "paths");
 }
 

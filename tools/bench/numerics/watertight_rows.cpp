@@ -123,7 +123,7 @@ void sum_rationals_over_grid(RowRun& run, uint64_t rays) {
 
 void run_edges(RowRun& run) {
   Tally total;
-  const uint64_t rays = run.rays(400000);
+  const uint64_t rays = run.rays(1500000);
   std::vector<ClosedMesh> meshes = closed_meshes(3);
   shoot_all(run, meshes, Aim::edge, rays / 2, total);
   for (int level = 4; level <= largest_level(run.tier()); ++level) {
@@ -150,7 +150,7 @@ void run_exactly_one(RowRun& run) {
   std::vector<ClosedMesh> convex = closed_meshes(3);
   std::erase_if(convex, [](const ClosedMesh& mesh) { return !mesh.convex; });
   for (ClosedMesh& mesh : convex) std::erase_if(mesh.viewpoints, [](const Viewpoint& v) { return !v.inside; });
-  for (const Aim aim : {Aim::edge, Aim::vertex}) shoot_all(run, convex, aim, run.rays(150000), total);
+  for (const Aim aim : {Aim::edge, Aim::vertex}) shoot_all(run, convex, aim, run.rays(400000), total);
   run.none("not exactly one, convex meshes", total.count[not_one], total.cases);
   shoot_grid(run, run.rays(200000));
   sum_rationals_over_grid(run, run.slow(500));
@@ -171,7 +171,7 @@ void run_far_from_origin(RowRun& run) {
   std::vector<Placement> places;
   float offset = 1;
   for (int k = 0; k <= 7; ++k, offset *= 10) places.push_back({fmt::format("10^{}", k), 1, offset});
-  judge_shots(run, shoot_placements(run, meshes, places, run.rays(300000)), "offsets 1 to 1e7");
+  judge_shots(run, shoot_placements(run, meshes, places, run.rays(800000)), "offsets 1 to 1e7");
   Tally random_rays, brute;
   for (const Placement& place : places) {
     const ClosedMesh far = placed(meshes[0], 1, place.offset);
