@@ -10,7 +10,8 @@ namespace rayloom::scenes::statues {
 
 struct Kind {
   const char* name;
-  /// At least `triangles` (at least 5000; fewer cannot show what is thin), mostly not a fifth more. Any size: see fit().
+  /// At least `triangles` (at least 5000; fewer cannot show what is thin), mostly not a fifth more. Any size: see
+  /// fit().
   Geometry (*make)(uint64_t triangles, uint32_t seed);
 };
 
