@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace rayloom::accel {
 
@@ -20,7 +21,8 @@ struct DepthInterval {
     const float tiny = 0x1p-120f * std::max(length, 1.0f);  // t may be subnormal
     const float near = ray.t_min * length, far = t_far * length;
     const float outer_near = near * less - tiny, outer_far = far * more + tiny;
-    const float inner_near = near * more + tiny, inner_far = far * less - tiny;
+    const float last = std::min(t_far, std::numeric_limits<float>::max()) * length;  // an infinite t is no hit
+    const float inner_near = near * more + tiny, inner_far = last * less - tiny;
     const bool forward = step > 0;
     outer_low = forward ? outer_near : -outer_far;
     outer_high = forward ? outer_far : -outer_near;

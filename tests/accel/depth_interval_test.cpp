@@ -47,7 +47,7 @@ TEST_CASE("no depth beyond the outer limits belongs to a t in the interval, none
     if (!(t_far > ray.t_min)) continue;
     const DepthInterval depths(ray, t_far);
     const float depth = coordinate - ray.origin[ray.axis[2]];
-    const bool in_interval = t > ray.t_min && t <= t_far;
+    const bool in_interval = t > ray.t_min && t <= t_far && std::isfinite(t);
     if (in_interval) {
       REQUIRE(depth <= depths.outer_high);
       REQUIRE(depth >= depths.outer_low);
