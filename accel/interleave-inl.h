@@ -30,8 +30,8 @@ HWY_BEFORE_NAMESPACE();
 
 namespace rayloom::accel::RAYLOOM_LANES {
 
-/// Lies on the stack under the entries of a level.
-inline constexpr uint32_t level_end = no_index;
+/// Lies on the stack under the entries of a level: a leaf where the header is, whose lines may be asked for.
+inline constexpr uint32_t level_end = node_ref::leaf_bit;
 
 /// One ray on its way.
 struct alignas(64) Task {
@@ -39,6 +39,7 @@ struct alignas(64) Task {
   uint32_t base;  ///< number of stack entries under those of the current level
   bool ended;
   bool in_triangles;  ///< whether the leaves of the current level are triangles, not instances
+  bool accepts_all;   ///< InstanceRules::accepts_all()
   Level* level;       ///< the one of `levels` that `ref` belongs to
   size_t index;       ///< of the ray and its result
   Search search;
@@ -47,12 +48,15 @@ struct alignas(64) Task {
   TraversalStack stack;
   std::byte apart[832];  ///< keeps what tasks use at the same time out of the same cache sets, which repeat every 4 KiB
 
-  const std::byte* address() const { return level->block + node_ref::offset(ref); }
   void pop() { ref = stack.pop_ref(); }
+  void set_rules(const InstanceRules& to) {
+    rules = to;
+    accepts_all = to.accepts_all();
+  }
 
   /// False, and nothing has changed, if the ray misses everything.
-  bool enter(uint32_t slot, const std::byte* block, uint32_t start, const Ray& ray, float pad_scale) {
-    level = std::construct_at(&levels[slot], block, ray, pad_scale, search);
+  bool enter(uint32_t slot, const std::byte* block, const BoundsLanes& bounds, uint32_t start, const Ray& ray) {
+    level = std::construct_at(&levels[slot], block, bounds, ray, search);
     if (!level->ray.valid) return false;
     stack.push(level_end, 0);
     base = stack.size();
@@ -66,10 +70,10 @@ struct alignas(64) Task {
     base = 1;
     in_triangles = false;
   }
-  void end() {
-    ended = true;
-    stack.resize(0);
-    stack.push(level_end, 0);
+  /// The lowest entry is a level_end.
+  void end_if(bool hit) {
+    ended |= hit;
+    stack.resize(hit ? 1 : stack.size());
   }
 };
 
@@ -82,7 +86,11 @@ class Interleaver {
       : addresses_(addresses), rays_(rays), results_(results), tasks_(new Task[std::min(rays.count, width)]) {}
 
   void run() {
-    for (size_t i = 0; i < std::min(rays_.count, width); ++i) start_next(tasks_[i]);
+    for (size_t i = 0; i < std::min(rays_.count, width); ++i) {
+      tasks_[i].search = Search(*rays_.shared);
+      tasks_[i].set_rules(rules_);
+      if (start_next(tasks_[i])) set_ends(file(tasks_[i], ends()));
+    }
     while (nodes_->count + leaves_->count + others_->count != 0) {
       const bool leaves_now = leaves_->count >= enough || nodes_->count < enough;
       const List* const leaves = leaves_now ? &take(leaves_, spare_leaves_) : nullptr;  // asked for a round ago
@@ -93,8 +101,9 @@ class Interleaver {
   }
 
  private:
-  static constexpr size_t width = 32;    ///< rays on their way: fewer hide less, more outgrow the first cache
-  static constexpr uint32_t enough = 8;  ///< leaves wait for one another while there are as many nodes
+  static constexpr size_t width = 32;       ///< rays on their way: fewer hide less, more outgrow the first cache
+  static constexpr size_t rays_ahead = 16;  ///< asked for before their turn
+  static constexpr uint32_t enough = 8;     ///< leaves wait for one another while there are as many nodes
 
   struct List {
     uint32_t count = 0;
@@ -120,23 +129,26 @@ class Interleaver {
     others_->count = static_cast<uint32_t>(ends.others - others_->task);
   }
 
+  /// Without instances there is but one level, in a place known beforehand.
+  static Level& level_of(Task& task) { return instances ? *task.level : task.levels[0]; }
+  static const std::byte* address_of(Task& task) { return level_of(task).block + node_ref::offset(task.ref); }
+
   /// Puts the task on the list of what it needs next, without a branch.
-  [[gnu::always_inline]] static Ends file(Task& task, Ends ends) {
+  [[gnu::always_inline]] static Ends file(Task& task, Ends ends, bool really = true) {
     const uint32_t ref = task.ref;
-    const bool inner = !node_ref::is_leaf(ref);
-    const bool triangles = !inner & (ref != level_end) & (!instances | task.in_triangles);
-    Prefetch{task.level->block}(ref == level_end ? 0 : ref);
+    const bool inner = !node_ref::is_leaf(ref) & really;
+    const bool triangles = node_ref::is_leaf(ref) & (ref != level_end) & (!instances | task.in_triangles) & really;
+    Prefetch{level_of(task).block}(ref);
     *ends.nodes = *ends.leaves = *ends.others = &task;
-    return {ends.nodes + inner, ends.leaves + triangles, ends.others + (!inner & !triangles)};
+    return {ends.nodes + inner, ends.leaves + triangles, ends.others + (!inner & !triangles & really)};
   }
-  void file(Task& task) { set_ends(file(task, ends())); }
 
   void visit_nodes() {
     const List& round = take(nodes_, spare_nodes_);
     Ends to = ends();
     for (uint32_t i = 0; i < round.count; ++i) {
       Task& task = *round.task[i];
-      const Level& level = *task.level;
+      const Level& level = level_of(task);
       const Node8& node = level.node(task.ref);
       push_children<order>(test_node(BoxLanes(level.ray), node, level.t_near, level.t_far), node, task.stack);
       task.pop();
@@ -145,27 +157,51 @@ class Interleaver {
     set_ends(to);
   }
 
+  /// A leaf of which some triangle may be hit, popped from its task's stack.
+  struct Met {
+    Task* task;
+    const TriangleLeaf* leaf;
+    LeafMasks masks;
+  };
+
+  /// First all filters, without a branch that depends on a ray, then what they leave open.
   void visit_leaves(const List& round) {
     Ends to = ends();
+    uint32_t met = 0;
     for (uint32_t i = 0; i < round.count; ++i) {
       Task& task = *round.task[i];
-      const Offer offer = visit_leaf(task);
-      if (offer != Offer::rejected) note(offer, task);
+      const auto* leaf = reinterpret_cast<const TriangleLeaf*>(address_of(task));
+      const LeafMasks masks = test_triangles(TriangleLanes(level_of(task).ray), *leaf, level_of(task).depths);
+      const bool hit = occludes(task, masks), open = !hit & (masks.possible != 0);
+      // Member by member: GCC assembles a whole one on the stack and waits for it to come back.
+      met_[met].task = &task;
+      met_[met].leaf = leaf;
+      met_[met].masks.possible = masks.possible;
+      met_[met].masks.certain = masks.certain;
+      met += open;
+      task.end_if(hit);
       task.pop();
-      to = file(task, to);
+      to = file(task, to, !open);
     }
+    for (uint32_t i = 0; i < met; ++i) to = finish_leaf(met_[i], to);
     set_ends(to);
   }
 
-  static Offer visit_leaf(Task& task) {
-    const TriangleLanes lanes(task.level->ray);
+  /// Whether a ray that needs no hit, but to know whether there is one, has its answer.
+  static bool occludes(const Task& task, const LeafMasks& masks) {
+    if constexpr (std::is_same_v<Result, Hit>) return false;
+    return task.accepts_all & ((masks.certain & masks.inside) != 0);
+  }
+
+  static Ends finish_leaf(const Met& met, Ends to) {
+    Task& task = *met.task;
+    task.stack.restore_popped();
+    Visitor none;
     const TriangleLeaves leaves{task.rules};
-    if constexpr (std::is_same_v<Result, Hit>) {
-      Visitor none;
-      return leaves.visit(*task.level, lanes, task.address(), task.search, none);
-    } else {
-      return leaves.occludes(*task.level, lanes, task.address(), task.search) ? Offer::ended : Offer::rejected;
-    }
+    const Offer offer = leaves.offer_lanes(level_of(task), met.leaf, met.masks, task.search, none);
+    if (offer != Offer::rejected) note(offer, task);
+    task.pop();
+    return file(task, to, true);
   }
 
   void write_result(const Task& task) {
@@ -175,75 +211,77 @@ class Interleaver {
       results_[task.index] = task.ended;
   }
 
-  void note(Offer offer, Task& task) {
-    if (offer == Offer::ended) return task.end();
-    task.level->shorten(task.search);
-    if (order == Order::distance) drop_farther(task.stack, task.base, task.level->t_far);
+  static void note(Offer offer, Task& task) {
+    if (offer == Offer::ended) return task.end_if(true);
+    level_of(task).shorten(task.search);
+    if (order == Order::distance) drop_farther(task.stack, task.base, level_of(task).t_far);
   }
 
   void visit_others() {
     const List& round = take(others_, spare_others_);
-    for (uint32_t i = 0; i < round.count; ++i) {
-      Task& task = *round.task[i];
-      if (instances && task.ref != level_end) {
-        enter_instance(task);
-      } else if (instances && task.level == &task.levels[1] && !task.ended) {
-        leave_instance(task);
-      } else {
-        write_result(task);
-        start_next(task);
-      }
-    }
+    Ends to = ends();
+    for (uint32_t i = 0; i < round.count; ++i) to = visit_other(*round.task[i], to);
+    set_ends(to);
   }
 
-  /// Gives the task the next ray that does not miss at once, if there is one.
-  void start_next(Task& task) {
-    const std::byte* const block = rays_.shared->structure;
-    const StructureHeader& header = header_of(block);
-    const float pad_scale = instances ? header.pad_scale : 1;
+  Ends visit_other(Task& task, Ends to) {
+    if (instances && task.ref != level_end) {
+      enter_instance(task);
+    } else if (instances && task.level == &task.levels[1] && !task.ended) {
+      leave_instance(task);
+    } else {
+      write_result(task);
+      if (!start_next(task)) return to;
+    }
+    return file(task, to);
+  }
+
+  /// Gives the task the next ray that does not miss at once; false if there is none.
+  bool start_next(Task& task) {
     while (next_ != rays_.count) {
       const Ray& ray = rays_[next_];
+      __builtin_prefetch(reinterpret_cast<const std::byte*>(&ray) + rays_ahead * rays_.stride);
       task.index = next_++;
-      task.search = Search(*rays_.shared, ray);
+      task.search.restart(ray);
       task.stack.resize(0);
       task.ended = false;
-      if (task.enter(0, block, header.root, ray, pad_scale)) {
-        task.rules = rules_;
-        return file(task);
-      }
+      if (task.enter(0, rays_.shared->structure, bounds_, root_, ray)) return true;
       write_result(task);
     }
+    return false;
   }
 
   /// To where an instance is entered, or past it.
   void enter_instance(Task& task) {
-    const auto& instance = *reinterpret_cast<const InstanceRecord*>(task.address());
+    const auto& instance = *reinterpret_cast<const InstanceRecord*>(address_of(task));
     const TraceRequest& request = task.search.request();
     const std::byte* const block = addresses_.host(instance.bottom_level_address);
     const StructureHeader& header = header_of(block);
-    if (!passes(instance, request, header) ||
-        !task.enter(1, block, entry_of(instance, header), object_ray(instance, task.search.ray()), 1)) {
+    if (!passes(instance, request, header) || !task.enter(1, block, BoundsLanes(header, 1), entry_of(instance, header),
+                                                          object_ray(instance, task.search.ray()))) {
       task.level = &task.levels[0];
       task.pop();
     } else {
-      task.rules = rules_of(instance, request);
+      task.set_rules(rules_of(instance, request));
     }
-    file(task);
   }
 
   void leave_instance(Task& task) {
     task.leave();
-    if (order == Order::distance) drop_farther(task.stack, task.base, task.level->t_far);
+    if (order == Order::distance) drop_farther(task.stack, task.base, level_of(task).t_far);
     task.pop();
-    file(task);
   }
 
   AddressSpace addresses_;
   const RayRun& rays_;
   Result* results_;
   const InstanceRules rules_{0, 0, rays_.shared->ray_flags, nullptr};  ///< of a bottom level without instance
+  const BoundsLanes bounds_{header_of(rays_.shared->structure),
+                            instances ? header_of(rays_.shared->structure).pad_scale : 1};
+  const uint32_t root_ = header_of(rays_.shared->structure).root;
   size_t next_ = 0;
   std::unique_ptr<Task[]> tasks_;
+  Met met_[width];
   List lists_[6];
   List *nodes_ = &lists_[0], *spare_nodes_ = &lists_[1];
   List *leaves_ = &lists_[2], *spare_leaves_ = &lists_[3];

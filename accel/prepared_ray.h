@@ -42,9 +42,7 @@ struct alignas(64) PreparedRay : Ray {
 
   /// Upper end of the interval in box space, never below t * box_scale. t >= 0.
   float far_limit(float t) const {
-    const double scaled = double{t} * box_scale;
-    if (scaled > 0x1p127) return std::numeric_limits<float>::infinity();
-    return static_cast<float>(std::max(scaled, 0x1p-126));
+    return static_cast<float>(std::max(double{t} * box_scale, 0x1p-126));  // exact, or infinite
   }
 };
 

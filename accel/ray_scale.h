@@ -36,7 +36,7 @@ inline bool traceable(const Ray& ray) {
 
 /// Sets PreparedRay::axis from its direction.
 inline void order_axes(PreparedRay& out) {
-  constexpr uint32_t following[] = {0, 1, 2, 0, 1};
+  static constexpr uint32_t following[] = {0, 1, 2, 0, 1};
   const float x = std::fabs(out.direction[0]), y = std::fabs(out.direction[1]), z = std::fabs(out.direction[2]);
   const uint32_t first = y > x, last = (z > x) & (z > y);
   const uint32_t largest = first + last * (2 - first);  // a branch would be mispredicted
@@ -44,6 +44,9 @@ inline void order_axes(PreparedRay& out) {
   out.axis[1] = following[largest + 2];
   out.axis[2] = largest;
 }
+
+/// Rays and structures of ordinary sizes have box space equal to t, and one of the two powers of two below is 1.
+inline constexpr float longest_moderate = 0x1p20f, shortest_moderate = 0x1p-20f, largest_moderate = 0x1p26f;
 
 /// Constants of all three axes.
 struct BoxScale {
@@ -58,17 +61,37 @@ inline float float_power_of_two(int exponent) {
   return std::bit_cast<float>(static_cast<uint32_t>(exponent + 127) << 23);
 }
 
-/// `dominant`: magnitude of the direction's largest component; `largest`: largest |coordinate| of origin and bounds;
-/// `reach`: largest |plane - origin|. With 2^m above every coordinate, the scaled direction's dominant component lies
-/// in [2^q, 2^(q + 1)). No constant is subnormal: arithmetic on those is a hundred times slower.
-inline BoxScale box_scale_of(float dominant, float largest, float reach, float pad_scale) {
+/// What a top level's pad grows by for each unit of reach; see prepare_ray().
+inline float transform_pad_of(float pad_scale) { return 8 * float_unit * (std::max(1.0f, pad_scale) - 1); }
+
+inline constexpr float moderate_shortest = 0x1p-96f;
+/// At least half the power of two above every coordinate.
+inline float moderate_size(float largest) { return std::max(largest, 0x1p-79f); }
+inline float moderate_pad(float size) { return 0x1p-47f * size + 0x1p-126f; }
+
+inline BoxScale moderate_scale(float largest, float transform_pad) {
+  const float size = moderate_size(largest);
+  return {1, 1, moderate_shortest, moderate_pad(size) + transform_pad, size};
+}
+
+/// With 2^m above every coordinate, the scaled direction's dominant component lies in [2^q, 2^(q + 1)). No constant is
+/// subnormal: arithmetic on those is a hundred times slower.
+inline BoxScale extreme_scale(float dominant, float largest, float transform_pad) {
   const int m = std::min(static_cast<int>(std::bit_cast<uint32_t>(largest) >> 23) - 126, 127);
   const int q = std::max(0, m - 26);
   const int shift = exponent_of(double{dominant}) - q;
   const float coordinate = float_power_of_two(std::max(m, -78));
-  const float transform_pad = 8 * float_unit * (std::max(1.0f, pad_scale) - 1) * reach;
   const float common_pad = 0x1p-48f * coordinate + 0x1p-46f * (0x1p-100f * std::max(dominant, 0x1p21f)) + transform_pad;
   return {power_of_two(shift), power_of_two(-shift), float_power_of_two(q - 96), common_pad, coordinate};
+}
+
+/// `dominant`: magnitude of the direction's largest component; `largest`: largest |coordinate| of origin and bounds;
+/// `reach`: largest |plane - origin|.
+inline BoxScale box_scale_of(float dominant, float largest, float reach, float pad_scale) {
+  const float transform_pad = transform_pad_of(pad_scale) * reach;
+  if (dominant >= shortest_moderate && dominant <= longest_moderate && largest < largest_moderate)
+    return moderate_scale(largest, transform_pad);
+  return extreme_scale(dominant, largest, transform_pad);
 }
 
 /// The same for a ray whose axes are ordered; also sets PreparedRay::box_scale.

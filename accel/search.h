@@ -42,6 +42,12 @@ class Search {
   /// One that has found `hit`, or nothing yet up to hit.t.
   Search(const TraceRequest& request, const Ray& ray, const Hit& hit) : request_(&request), ray_(&ray), hit_(hit) {}
 
+  /// Begins anew with `ray`, for requests without candidate function.
+  void restart(const Ray& ray) {
+    ray_ = &ray;
+    hit_ = Hit{.t = ray.t_max};
+  }
+
   const TraceRequest& request() const { return *request_; }
   const Ray& ray() const { return *ray_; }
   const Hit& hit() const { return hit_; }

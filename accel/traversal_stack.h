@@ -23,6 +23,7 @@ class TraversalStack {
     return {refs_[size_], nears_[size_]};
   }
   uint32_t pop_ref() { return refs_[--size_]; }
+  void restore_popped() { ++size_; }
   void push(uint32_t ref, float near) {
     assert(size_ < stack_entries);
     refs_[size_] = ref;

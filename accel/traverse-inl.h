@@ -43,19 +43,27 @@ namespace rayloom::accel::RAYLOOM_LANES {
 struct Level {
   Level() = default;
   /// pad_scale: see prepare_ray(). Nothing may be traced if ray.valid is false.
-  Level(const std::byte* structure, const Ray& unprepared, float pad_scale, const Search& search) : block(structure) {
-    prepare_lanes(unprepared, header(), pad_scale, ray);
+  Level(const std::byte* structure, const Ray& unprepared, float pad_scale, const Search& search)
+      : Level(structure, BoundsLanes(header_of(structure), pad_scale), unprepared, search) {}
+  Level(const std::byte* structure, const BoundsLanes& bounds, const Ray& unprepared, const Search& search)
+      : block(structure) {
+    prepare_lanes(unprepared, bounds, ray);
     if (!ray.valid) return;
     t_near = ray.near_limit(ray.t_min);
-    shorten(search);
+    t_far = ray.far_limit(search.t());
+    depths = DepthInterval(ray, search.t());
   }
-  void shorten(const Search& search) { t_far = ray.far_limit(search.t()); }
+  void shorten(const Search& search) {
+    t_far = ray.far_limit(search.t());
+    depths.shorten(search.t());
+  }
   const StructureHeader& header() const { return header_of(block); }
   const Node8& node(uint32_t ref) const { return *reinterpret_cast<const Node8*>(block + node_ref::offset(ref)); }
 
   PreparedRay ray;
   const std::byte* block;
   float t_near, t_far;
+  DepthInterval depths;
 };
 
 using Child = TraversalStack::Entry;
@@ -161,18 +169,8 @@ struct TriangleLeaves {
   Offer visit(const Level& level, const Lanes& lanes, const std::byte* address, Search& search,
               Visitor& visitor) const {
     const auto* leaf = reinterpret_cast<const TriangleLeaf*>(address);
-    const LeafMasks masks = test_triangles(lanes, *leaf, DepthInterval(level.ray, search.t()));
+    const LeafMasks masks = test_triangles(lanes, *leaf, level.depths);
     return offer_lanes(level, leaf, masks, search, visitor);
-  }
-
-  /// Whether any triangle is hit, by rays without candidate function: most often told before any hit is computed.
-  bool occludes(const Level& level, const Lanes& lanes, const std::byte* address, Search& search) const {
-    const auto* leaf = reinterpret_cast<const TriangleLeaf*>(address);
-    const LeafMasks masks = test_triangles(lanes, *leaf, DepthInterval(level.ray, search.t()));
-    if (masks.possible == 0) return false;
-    if (rules.accepts_all() && (masks.certain & masks.inside) != 0) return true;
-    accel::Visitor none;
-    return offer_lanes(level, leaf, masks, search, none) != Offer::rejected;
   }
 
   template <class Visitor>

@@ -144,31 +144,23 @@ struct ShearedLeaf {
   ShearedVertex a, b, c;
 };
 
-HWY_INLINE ShearedLeaf shear_plain(const TriangleLanes& ray, const TriangleLeaf& leaf) {
+/// One vertex of every triangle, from the rows of a table.
+HWY_INLINE ShearedVertex look_up_vertex(const TriangleLanes& ray, const float* x, const float* y, const float* z,
+                                        const uint8_t* corner) {
   const Floats d;
-  const float *const x = leaf.row(ray.axis[0]), *const y = leaf.row(ray.axis[1]), *const z = leaf.row(ray.axis[2]);
-  const auto vertex = [&](size_t i) HWY_ATTR {
-    return shear_vertex(ray, hn::LoadU(d, x + 8 * i), hn::LoadU(d, y + 8 * i), hn::LoadU(d, z + 8 * i));
-  };
-  return {vertex(0), vertex(1), vertex(2)};
+  const WordLanes index = hn::PromoteTo(Words(), hn::LoadU(hn::FixedTag<uint8_t, 8>(), corner));
+  return shear_vertex(ray, look_up(hn::LoadU(d, x), hn::LoadU(d, x + 8), index),
+                      look_up(hn::LoadU(d, y), hn::LoadU(d, y + 8), index),
+                      look_up(hn::LoadU(d, z), hn::LoadU(d, z + 8), index));
 }
 
-HWY_INLINE ShearedLeaf shear_table(const TriangleLanes& ray, const TriangleLeaf& leaf) {
-  const Floats d;
-  const float *const x = leaf.row(ray.axis[0]), *const y = leaf.row(ray.axis[1]), *const z = leaf.row(ray.axis[2]);
-  const FloatLanes low[] = {hn::LoadU(d, x), hn::LoadU(d, y), hn::LoadU(d, z)};
-  const FloatLanes high[] = {hn::LoadU(d, x + 8), hn::LoadU(d, y + 8), hn::LoadU(d, z + 8)};
-  const auto vertex = [&](size_t i) HWY_ATTR {
-    const WordLanes index = hn::PromoteTo(Words(), hn::LoadU(hn::FixedTag<uint8_t, 8>(), leaf.corner[i]));
-    return shear_vertex(ray, look_up(low[0], high[0], index), look_up(low[1], high[1], index),
-                        look_up(low[2], high[2], index));
-  };
-  return {vertex(0), vertex(1), vertex(2)};
-}
-
+/// The third vertices of plain leaves are the entries from 16 on; everything else lies in the first 16.
 HWY_INLINE ShearedLeaf shear_leaf(const TriangleLanes& ray, const TriangleLeaf& leaf) {
-  const bool plain = leaf.slots > TriangleLeaf::table_slots;
-  return HWY_UNLIKELY(plain) ? shear_plain(ray, leaf) : shear_table(ray, leaf);
+  const float *const x = leaf.row(ray.axis[0]), *const y = leaf.row(ray.axis[1]), *const z = leaf.row(ray.axis[2]);
+  const size_t third = leaf.slots & (leaf.slots << 1) & 16;
+  static_assert(TriangleLeaf::table_slots == 16 && TriangleLeaf::plain_slots == 24);
+  return {look_up_vertex(ray, x, y, z, leaf.corner[0]), look_up_vertex(ray, x, y, z, leaf.corner[1]),
+          look_up_vertex(ray, x + third, y + third, z + third, leaf.corner[2])};
 }
 
 HWY_INLINE FloatLanes edge_function(const ShearedVertex& a, const ShearedVertex& b) {
@@ -183,14 +175,47 @@ HWY_INLINE FloatLanes edge_bound(FloatLanes extent, FloatLanes depth) {
   return hn::MulAdd(hn::Mul(wide, slope), hn::Set(d, 0x1p-24f), hn::Set(d, 0x1p-126f));
 }
 
+/// Edge functions 01, 12 and 20 of triangles that a ray certainly hits, the depths of their vertices, and bounds.
+template <class V>
+struct CertainHits {
+  V edge[3], z[3];  ///< z along the ray: times the sign of its dominant component
+  V bound;          ///< on the errors of edge functions
+  V depth;          ///< largest |z|
+};
+
+template <class V>
+struct DepthMasks {
+  hn::Mask<hn::DFromV<V>> outside, inside;
+};
+
+/// How the depths of certain hits compare with a DepthInterval: see scalar::depth_of_hit().
+template <class V>
+HWY_INLINE DepthMasks<V> compare_depths(const CertainHits<V>& hits, V outer_near, V outer_far, V inner_near,
+                                        V inner_far) {
+  const hn::DFromV<V> d;
+  const V signed_area = hn::Add(hn::Add(hits.edge[0], hits.edge[1]), hits.edge[2]);
+  const V sum =
+      hn::MulAdd(hits.edge[0], hits.z[2], hn::MulAdd(hits.edge[2], hits.z[1], hn::Mul(hits.edge[1], hits.z[0])));
+  const V area = hn::Abs(signed_area), distance = hn::Xor(sum, hn::And(signed_area, hn::Set(d, -0.0f)));
+  const V margin = hn::Mul(hn::Set(d, 4), hits.bound);
+  const V reach = hn::Mul(hn::Mul(hn::Set(d, 2), hits.depth), area);
+  const V error = hn::MulAdd(reach, hn::Set(d, 0x1p-22f), hn::MulAdd(hits.depth, margin, hn::Set(d, 0x1p-120f)));
+  const V most = hn::Add(area, margin), least = hn::Sub(area, margin);
+  const V low = hn::Sub(distance, error), high = hn::Add(distance, error);
+  return {hn::Or(hn::Lt(high, hn::Mul(outer_near, least)), hn::Gt(low, hn::Mul(outer_far, most))),
+          hn::And(hn::Gt(low, hn::Mul(inner_near, most)), hn::Lt(high, hn::Mul(inner_far, least)))};
+}
+
 /// See scalar::test_triangles().
 HWY_INLINE LeafMasks test_triangles(const TriangleLanes& ray, const TriangleLeaf& leaf, const DepthInterval& depths) {
   const Floats d;
   const auto [a, b, c] = shear_leaf(ray, leaf);
   const FloatLanes ab = edge_function(a, b), bc = edge_function(b, c), ca = edge_function(c, a);
-  const FloatLanes near = hn::Min(hn::Min(a.z, b.z), c.z), far = hn::Max(hn::Max(a.z, b.z), c.z);
+  const FloatLanes sign = hn::Set(d, depths.sign);
+  const FloatLanes az = hn::Xor(a.z, sign), bz = hn::Xor(b.z, sign), cz = hn::Xor(c.z, sign);
+  const FloatLanes near = hn::Min(hn::Min(az, bz), cz), far = hn::Max(hn::Max(az, bz), cz);
   const FloatLanes extent = hn::Add(hn::Add(a.extent(), b.extent()), c.extent());
-  const FloatLanes bound = edge_bound(extent, hn::Max(far, hn::Neg(near)));
+  const FloatLanes depth = hn::Max(far, hn::Neg(near)), bound = edge_bound(extent, depth);
   const FloatLanes below = hn::Neg(bound);
 
   // An edge function is NaN only if the bound is infinite or NaN, when no comparison holds; so the extremes may be
@@ -198,12 +223,14 @@ HWY_INLINE LeafMasks test_triangles(const TriangleLanes& ray, const TriangleLeaf
   const FloatLanes low = hn::Min(hn::Min(ab, bc), ca), high = hn::Max(hn::Max(ab, bc), ca);
   const LaneMask missed = hn::And(hn::Gt(high, bound), hn::Lt(low, below));
   const LaneMask hit = hn::Or(hn::Gt(low, bound), hn::Lt(high, below));
-  const LaneMask outside =
-      hn::Or(hn::Gt(near, hn::Set(d, depths.outer_high)), hn::Lt(far, hn::Set(d, depths.outer_low)));
-  const LaneMask inside =
-      hn::And(hn::Gt(near, hn::Set(d, depths.inner_low)), hn::Lt(far, hn::Set(d, depths.inner_high)));
-  const uint32_t used = leaf.used_mask() & ~mask_bits(outside);
-  return {used & ~mask_bits(missed), used & mask_bits(hit), used & mask_bits(inside)};
+  const FloatLanes outer_near = hn::Set(d, depths.outer_near), outer_far = hn::Set(d, depths.outer_far);
+  const LaneMask outside = hn::Or(hn::Gt(near, outer_far), hn::Lt(far, outer_near));
+  const DepthMasks<FloatLanes> of_hit =
+      compare_depths<FloatLanes>({{ab, bc, ca}, {az, bz, cz}, bound, depth}, outer_near, outer_far,
+                                 hn::Set(d, depths.inner_near), hn::Set(d, depths.inner_far));
+  const LaneMask out = hn::Or(hn::Or(missed, outside), hn::And(hit, of_hit.outside));
+  const uint32_t possible = leaf.used_mask() & ~mask_bits(out), certain = possible & mask_bits(hit);
+  return {possible, certain, certain & mask_bits(of_hit.inside)};
 }
 
 #endif  // HWY_TARGET

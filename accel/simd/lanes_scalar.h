@@ -13,8 +13,15 @@
 
 namespace rayloom::accel::scalar {
 
-inline void prepare_lanes(const Ray& ray, const StructureHeader& header, float pad_scale, PreparedRay& out) {
-  out = prepare_ray(ray, header.bounds_min, header.bounds_max, pad_scale);
+/// What all rays share of a structure's bounds; see prepare_ray().
+struct BoundsLanes {
+  BoundsLanes(const StructureHeader& of, float scale) : header(&of), pad_scale(scale) {}
+  const StructureHeader* header;
+  float pad_scale;
+};
+
+inline void prepare_lanes(const Ray& ray, const BoundsLanes& bounds, PreparedRay& out) {
+  out = prepare_ray(ray, bounds.header->bounds_min, bounds.header->bounds_max, bounds.pad_scale);
 }
 
 /// What box tests and triangle tests read of a ray. In the SIMD twin these are vectors, here the prepared ray serves as
@@ -86,10 +93,26 @@ inline uint32_t test_boxes(const BoxLanes& lanes, const ProceduralLeaf8& leaf, f
 struct EdgeFilter {
   float edge[3];
   float bound;
-  float low, high;
+  float z[3];  ///< depths of the vertices along the ray
+  float near, far, depth;
+
+  bool missed() const {
+    const bool some_above = edge[0] > bound || edge[1] > bound || edge[2] > bound;
+    const bool some_below = edge[0] < -bound || edge[1] < -bound || edge[2] < -bound;
+    return some_above && some_below;
+  }
+  bool hit() const {
+    const bool all_above = edge[0] > bound && edge[1] > bound && edge[2] > bound;
+    const bool all_below = edge[0] < -bound && edge[1] < -bound && edge[2] < -bound;
+    return all_above || all_below;
+  }
 };
 
-inline EdgeFilter filter_triangle(const PreparedRay& ray, const TriangleLeaf& leaf, uint32_t lane) {
+inline float flip(float value, float sign) {
+  return std::bit_cast<float>(std::bit_cast<uint32_t>(value) ^ std::bit_cast<uint32_t>(sign));
+}
+
+inline EdgeFilter filter_triangle(const PreparedRay& ray, const TriangleLeaf& leaf, uint32_t lane, float sign) {
   float x[3], y[3], z[3];
   for (uint32_t i = 0; i < 3; ++i) {
     z[i] = leaf.coordinate(i, ray.axis[2], lane) - ray.origin[ray.axis[2]];
@@ -98,29 +121,51 @@ inline EdgeFilter filter_triangle(const PreparedRay& ray, const TriangleLeaf& le
   }
   const float extent =
       ((std::fabs(x[0]) + std::fabs(y[0])) + (std::fabs(x[1]) + std::fabs(y[1]))) + (std::fabs(x[2]) + std::fabs(y[2]));
-  const float low = min_lane(min_lane(z[0], z[1]), z[2]), high = max_lane(max_lane(z[0], z[1]), z[2]);
-  const float depth = max_lane(high, -low);
+  const float depths[] = {flip(z[0], sign), flip(z[1], sign), flip(z[2], sign)};
+  const float near = min_lane(min_lane(depths[0], depths[1]), depths[2]);
+  const float far = max_lane(max_lane(depths[0], depths[1]), depths[2]);
+  const float depth = max_lane(far, -near);
   // docs/numerics.md, "The float filter": the unscaled product overflows before any product of an edge function can.
   const float product = std::fma(0x1p-21f, depth, extent) * std::fma(1.625f, extent, 3.125f * depth);
   return {{std::fma(x[0], y[1], -(y[0] * x[1])), std::fma(x[1], y[2], -(y[1] * x[2])),
            std::fma(x[2], y[0], -(y[2] * x[0]))},
           std::fma(product, 0x1p-24f, 0x1p-126f),
-          low,
-          high};
+          {depths[0], depths[1], depths[2]},
+          near,
+          far,
+          depth};
+}
+
+/// Whether the depth of a certain hit is outside the interval, or inside it. docs/numerics.md, "Depths".
+struct DepthOfHit {
+  bool outside, inside;
+};
+
+inline DepthOfHit depth_of_hit(const EdgeFilter& filter, const DepthInterval& depths) {
+  const auto& [edge, bound, z, near, far, depth] = filter;
+  const float signed_area = (edge[0] + edge[1]) + edge[2];
+  const float sum = std::fma(edge[0], z[2], std::fma(edge[2], z[1], edge[1] * z[0]));
+  const float area = std::fabs(signed_area), distance = flip(sum, std::copysign(0.0f, signed_area));
+  const float margin = 4 * bound;
+  const float reach = 2 * depth * area;  // infinite if any part of the sum is
+  const float error = std::fma(reach, 0x1p-22f, std::fma(depth, margin, 0x1p-120f));
+  const float most = area + margin, least = area - margin;
+  const float low = distance - error, high = distance + error;
+  return {high < depths.outer_near * least || low > depths.outer_far * most,
+          low > depths.inner_near * most && high < depths.inner_far * least};
 }
 
 inline LeafMasks test_triangles(const TriangleLanes& lanes, const TriangleLeaf& leaf, const DepthInterval& depths) {
   LeafMasks masks;
   for (uint32_t lane = 0; lane < leaf.count; ++lane) {
-    const auto [e, bound, low, high] = filter_triangle(*lanes.ray, leaf, lane);
-    if (low > depths.outer_high || high < depths.outer_low) continue;
-    const bool some_above = e[0] > bound || e[1] > bound || e[2] > bound;
-    const bool some_below = e[0] < -bound || e[1] < -bound || e[2] < -bound;
-    const bool all_above = e[0] > bound && e[1] > bound && e[2] > bound;
-    const bool all_below = e[0] < -bound && e[1] < -bound && e[2] < -bound;
-    masks.possible |= uint32_t{!(some_above && some_below)} << lane;
-    masks.certain |= uint32_t{all_above || all_below} << lane;
-    masks.inside |= uint32_t{low > depths.inner_low && high < depths.inner_high} << lane;
+    const EdgeFilter filter = filter_triangle(*lanes.ray, leaf, lane, depths.sign);
+    if (filter.missed() || filter.near > depths.outer_far || filter.far < depths.outer_near) continue;
+    const bool hit = filter.hit();
+    const DepthOfHit depth = depth_of_hit(filter, depths);
+    if (hit && depth.outside) continue;
+    masks.possible |= 1u << lane;
+    masks.certain |= uint32_t{hit} << lane;
+    masks.inside |= uint32_t{hit && depth.inside} << lane;
   }
   return masks;
 }

@@ -38,41 +38,75 @@ HWY_INLINE float largest_lane(hn::Vec<Axes> v) {
   return hn::GetLane(hn::Max(v, hn::Shuffle2301(v)));
 }
 
-/// See accel::traceable().
-HWY_INLINE bool traceable_lanes(const Ray& ray, hn::Vec<Axes> origin, hn::Vec<Axes> direction) {
+/// What all rays share of a structure's bounds; see prepare_ray().
+struct BoundsLanes {
+  /// The header's bounds are followed by other members, so whole vectors may be read.
+  HWY_INLINE BoundsLanes(const StructureHeader& of, float scale)
+      : low(load_axes(of.bounds_min)),
+        high(load_axes(of.bounds_max)),
+        size(hn::Max(hn::Abs(low), hn::Abs(high))),
+        transform_pad(transform_pad_of(scale)),
+        pad_scale(scale),
+        header(&of) {}
+
+  hn::Vec<Axes> low, high, size;
+  float transform_pad, pad_scale;
+  const StructureHeader* header;
+};
+
+/// Whether a ray is traceable and moderate: moderate_scale() is for it. `longest`: of the direction's magnitudes.
+HWY_INLINE bool moderate(const Ray& ray, hn::Vec<Axes> size, hn::Vec<Axes> magnitude, float longest) {
   const Axes d;
-  const auto infinity = hn::Set(d, std::numeric_limits<float>::infinity());
-  const auto finite = hn::And(hn::Lt(hn::Abs(origin), infinity), hn::Lt(hn::Abs(direction), infinity));
-  const bool moves = !hn::AllFalse(d, hn::Ne(direction, hn::Zero(d)));
-  return hn::AllTrue(d, finite) & moves & (ray.t_min >= 0) & (ray.t_min <= ray.t_max);
+  const auto small =
+      hn::And(hn::Lt(size, hn::Set(d, largest_moderate)), hn::Le(magnitude, hn::Set(d, longest_moderate)));
+  return hn::AllTrue(d, small) & (longest >= shortest_moderate) & (ray.t_min >= 0) & (ray.t_min <= ray.t_max);
 }
 
-/// See prepare_ray(); the header's bounds are followed by other members, so whole vectors may be read.
-HWY_INLINE void prepare_lanes(const Ray& ray, const StructureHeader& header, float pad_scale, PreparedRay& out) {
+/// PreparedRay's axes, and what follows from them. `longest` is one of `magnitude`.
+HWY_INLINE void prepare_axes(hn::Vec<Axes> origin, hn::Vec<Axes> direction, hn::Vec<Axes> magnitude, float longest,
+                             PreparedRay& out) {
+  alignas(16) static constexpr uint32_t orders[3][4] = {{1, 2, 0, 0}, {2, 0, 1, 1}, {0, 1, 2, 2}};
   const Axes d;
-  static_cast<Ray&>(out) = ray;
+  const auto equal = hn::Eq(magnitude, hn::Set(d, longest));
+  uint8_t bits = 0;
+  hn::StoreMaskBits(d, equal, &bits);
+  const uint32_t* const order = orders[std::countr_zero(static_cast<uint32_t>(bits))];
+  const auto indices = hn::SetTableIndices(d, reinterpret_cast<const int32_t*>(order));
+  const auto ordered = hn::TableLookupLanes(direction, indices);
+  const auto shear = hn::Div(ordered, hn::Broadcast<2>(ordered));
+  // Each store writes an element too many, which the next one mends.
+  hn::StoreU(hn::Load(AxisWords(), order), AxisWords(), out.axis);
+  hn::StoreU(hn::TableLookupLanes(origin, indices), d, out.ordered_origin);
+  hn::StoreU(hn::LowerHalf(hn::FixedTag<float, 2>(), shear), hn::FixedTag<float, 2>(), out.shear);
+}
+
+/// See prepare_ray().
+HWY_INLINE void prepare_lanes(const Ray& ray, const BoundsLanes& bounds, PreparedRay& out) {
+  const Axes d;
   const hn::Vec<Axes> origin = load_axes(ray.origin), direction = load_axes(ray.direction);
-  out.valid = traceable_lanes(ray, origin, direction);
-  if (!out.valid) return;
-  order_axes(out);
-  for (int i = 0; i < 3; ++i) out.ordered_origin[i] = ray.origin[out.axis[i]];
-  for (int i = 0; i < 2; ++i) out.shear[i] = ray.direction[out.axis[i]] / ray.direction[out.axis[2]];
+  const hn::Vec<Axes> magnitude = hn::Abs(direction), size = hn::Max(hn::Abs(origin), bounds.size);
+  const float longest = largest_lane(magnitude);
+  if (HWY_UNLIKELY(!moderate(ray, size, magnitude, longest))) {
+    out = prepare_ray(ray, bounds.header->bounds_min, bounds.header->bounds_max, bounds.pad_scale);
+    return;
+  }
+  static_cast<Ray&>(out) = ray;
+  out.valid = true;
+  out.box_scale = 1;
+  prepare_axes(origin, direction, magnitude, longest, out);
 
-  const hn::Vec<Axes> low = load_axes(header.bounds_min), high = load_axes(header.bounds_max);
-  const hn::Vec<Axes> reach = hn::Max(hn::Abs(hn::Sub(low, origin)), hn::Abs(hn::Sub(high, origin)));
-  const float largest = largest_lane(hn::Max(hn::Abs(origin), hn::Max(hn::Abs(low), hn::Abs(high))));
-  const BoxScale scale = box_scale_of(out, largest, largest_lane(reach), pad_scale);
-
-  const WideAxes w;
-  const hn::Vec<Axes> component = hn::DemoteTo(d, hn::Mul(hn::PromoteTo(w, direction), hn::Set(w, scale.direction)));
-  const hn::Vec<Axes> magnitude = hn::Div(hn::Set(d, 1.0f), hn::Max(hn::Abs(component), hn::Set(d, scale.shortest)));
-  const hn::Vec<Axes> reciprocal = hn::CopySign(magnitude, direction);
+  const hn::Vec<Axes> reciprocal_size = hn::Div(hn::Set(d, 1.0f), hn::Max(magnitude, hn::Set(d, moderate_shortest)));
+  const hn::Vec<Axes> reciprocal = hn::CopySign(reciprocal_size, direction);
   hn::Store(reciprocal, d, out.reciprocal);
 
+  const hn::Vec<Axes> reach = hn::Max(hn::Abs(hn::Sub(bounds.low, origin)), hn::Abs(hn::Sub(bounds.high, origin)));
+  const float largest = moderate_size(largest_lane(size));
+  float common_pad = moderate_pad(largest);
+  if (HWY_UNLIKELY(bounds.transform_pad > 0)) common_pad += bounds.transform_pad * largest_lane(reach);
   const hn::Vec<Axes> pad =
-      hn::Add(hn::Mul(hn::Set(d, 4 * float_unit), hn::Add(reach, hn::Abs(origin))), hn::Set(d, scale.common_pad));
-  const hn::Vec<Axes> centre = hn::Mul(hn::Neg(origin), reciprocal), width = hn::Mul(pad, magnitude);
-  const auto bounded = hn::Le(pad, hn::Set(d, scale.largest_pad));
+      hn::Add(hn::Mul(hn::Set(d, 4 * float_unit), hn::Add(reach, hn::Abs(origin))), hn::Set(d, common_pad));
+  const hn::Vec<Axes> centre = hn::Mul(hn::Neg(origin), reciprocal), width = hn::Mul(pad, reciprocal_size);
+  const auto bounded = hn::Le(pad, hn::Set(d, largest));
   const hn::Vec<Axes> all = hn::Set(d, pass_all);
   hn::Store(hn::IfThenElse(bounded, hn::Sub(centre, width), hn::Neg(all)), d, out.near_offset);
   hn::Store(hn::IfThenElse(bounded, hn::Add(centre, width), all), d, out.far_offset);

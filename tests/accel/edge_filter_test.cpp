@@ -38,7 +38,7 @@ scalar::EdgeFilter float_filter(const Case& c, const PreparedRay& ray) {
   for (int vertex = 0; vertex < 3; ++vertex) {
     for (int k = 0; k < 3; ++k) leaf.vertex[k][vertex][0] = c.triangle[vertex][k];
   }
-  return scalar::filter_triangle(ray, leaf, 0);
+  return scalar::filter_triangle(ray, leaf, 0, std::copysign(0.0f, ray.direction[ray.axis[2]]));
 }
 
 /// Checks |computed - exact| <= bound for each edge and returns the largest quotient of the two.

@@ -55,7 +55,7 @@ LeafMasks run_triangles(const PreparedRay& ray, const TriangleLeaf& leaf, float 
 }
 
 void run_prepare(const Ray& ray, const StructureHeader& header, float pad_scale, PreparedRay& out) {
-  prepare_lanes(ray, header, pad_scale, out);
+  prepare_lanes(ray, BoundsLanes(header, pad_scale), out);
 }
 
 void run_push(const PreparedRay& ray, const Node8& node, float t_near, float t_far, bool by_distance,
@@ -142,7 +142,7 @@ TEST_CASE("rays are prepared with the same bits on every target", "[unit]") {
       const Ray ray = test::any_ray(random, style);
       const float pad_scale = random.chance(2) ? 1.0f : 1 + std::fabs(random.scaled(0, 30));
       PreparedRay expected{}, found{};
-      scalar::prepare_lanes(ray, header, pad_scale, expected);
+      scalar::prepare_lanes(ray, scalar::BoundsLanes(header, pad_scale), expected);
       target.functions.prepare(ray, header, pad_scale, found);
       REQUIRE(found.valid == expected.valid);
       if (!found.valid) continue;
