@@ -70,21 +70,27 @@ std::string superscript(int exponent) {
   return text;
 }
 
+/// "3·10⁻⁴", "10⁶"; as people write it where that is short: "0.2".
+std::string tic(int step, int exponent, bool plain) {
+  if (plain) return fmt::format("{}", step * std::pow(10.0, exponent));
+  return (step == 1 ? "" : fmt::format("{}·", step)) + "10" + superscript(exponent);
+}
+
 /// Powers of ten with their names; more between them where there are few.
 std::string decades(const char* axis, Range range) {
   std::vector<std::string> tics;
   const int first = static_cast<int>(std::floor(std::log10(range.low)));
   const int last = static_cast<int>(std::ceil(std::log10(range.high)));
-  for (int e = first; e <= last; ++e) {
-    tics.push_back(fmt::format("'10{}' 1e{}", superscript(e), e));
-    if (last - first > 3) continue;
-    for (const int step : {2, 5}) tics.push_back(fmt::format("'{}·10{}' {}e{}", step, superscript(e), step, e));
-  }
+  const bool few = last - first <= 3, plain = few && first >= -2 && last <= 3;
+  for (int e = first; e <= last; ++e)
+    for (const int step : {1, 2, 5})
+      if (step == 1 || few) tics.push_back(fmt::format("'{}' {}e{}", tic(step, e, plain), step, e));
   return fmt::format("set {}tics ({})\n", axis, fmt::join(tics, ", "));
 }
 
 std::string axis_commands(const char* axis, const Axis& description, Range data) {
-  const Range range = widened(data, description.logarithmic);
+  Range range = widened(data, description.logarithmic);
+  if (description.from_zero && !description.logarithmic) range.low = std::min(0.0, data.low);
   std::string text =
       fmt::format("set {0}label {1}\nset {0}range [{2}:{3}]\n", axis, quoted(description.label), range.low, range.high);
   if (description.logarithmic) text += fmt::format("set logscale {} 10\n", axis) + decades(axis, range);
@@ -103,6 +109,12 @@ std::string axes(const Chart& chart) {
   return axis_commands("x", chart.x, x) + axis_commands("y", chart.y, y);
 }
 
+/// gnuplot's colours but for the fifth, a yellow that is hardly seen on white.
+size_t color_of(size_t series) {
+  constexpr size_t colors[] = {1, 2, 3, 4, 6, 7, 8};
+  return colors[series % std::size(colors)];
+}
+
 const char* with(const Series& series) {
   if (series.style == Style::line) return "lines";
   const bool line = series.style == Style::line_and_points;
@@ -115,9 +127,10 @@ std::string plot_command(const Chart& chart) {
   for (size_t i = 0; i < chart.series.size(); ++i) {
     const Series& series = chart.series[i];
     const char* columns = has_spread(series) && series.style != Style::line ? "1:2:3:4" : "1:2";
-    const std::string color = series.style == Style::line ? "" : fmt::format(" pt {} ps 0.7", i % 13 + 4);
-    items.push_back(fmt::format("$data{} using {} with {} lc {} lw 2{} title {}", i, columns, with(series), i + 1,
-                                color, quoted(series.name)));
+    const double size = series.style == Style::points ? 1.3 : 0.7;
+    const std::string mark = series.style == Style::line ? "" : fmt::format(" pt {} ps {}", i % 13 + 4, size);
+    items.push_back(fmt::format("$data{} using {} with {} lc {} lw 2{} title {}", i, columns, with(series), color_of(i),
+                                mark, quoted(series.name)));
     if (!has_labels(series)) continue;
     items.push_back(fmt::format("$data{} using 1:2:5 with labels left offset 0.9,0.5 font ',11' notitle", i));
   }

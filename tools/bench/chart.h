@@ -26,6 +26,7 @@ struct Series {
 struct Axis {
   std::string label;  ///< with its unit
   bool logarithmic = false;
+  bool from_zero = false;  ///< a linear axis of positive values begins at 0
 };
 
 struct Chart {

@@ -1,8 +1,10 @@
 // K7 to K9: t, u and v against rationals, for ordinary triangles, grazing rays and needles.
 
+#include <rayloom/accel/instance_transform.h>
 #include <rayloom/tests/accel/triangle_cases.h>
 #include <rayloom/tools/bench/numerics/closed_mesh.h>
 #include <rayloom/tools/bench/numerics/rows.h>
+#include <rayloom/tools/bench/numerics/transforms.h>
 
 namespace rayloom::bench::numerics {
 namespace {
@@ -27,8 +29,7 @@ bool outside_own_range(const Case& c, float t) {
   return mpq_class(t) < low - margin || mpq_class(t) > high + margin;
 }
 
-void examine(const Subject& subject, const Case& c, Tally& tally) {
-  const auto hit = subject.triangle(c.ray, c.triangle);
+void examine(const std::optional<accel::TriangleHit>& hit, const Case& c, Tally& tally) {
   const auto exact = exact_hit(c.ray, c.triangle);
   if (exact && !hit) tally.fail(false_miss, c.ray, {c.triangle});
   if (hit && !exact) tally.fail(false_hit, c.ray, {c.triangle});
@@ -36,19 +37,43 @@ void examine(const Subject& subject, const Case& c, Tally& tally) {
     return tally.fail(outside_range, c.ray, {c.triangle});
   if (hit && outside_own_range(c, hit->t)) tally.fail(outside_range, c.ray, {c.triangle});
   if (!hit || !exact) return;
-  tally.values.push_back(static_cast<float>(ulps_from(hit->t, exact->t)));
+  tally.values.add(ulps_from(hit->t, exact->t));
   tally.grow(weight_error, mpq_class(abs(mpq_class(hit->u) - exact->u)).get_d());
   tally.grow(weight_error, mpq_class(abs(mpq_class(hit->v) - exact->v)).get_d());
 }
 
-void judge(RowRun& run, const Tally& tally) {
-  run.none("false misses", tally.count[false_miss], tally.cases);
-  run.none("false hits", tally.count[false_hit], tally.cases);
-  run.none("t outside the corners' t's", tally.count[outside_range], tally.cases);
-  run.report("t error, median", tally.quantile(0.5), "ulp", tally.values.size());
-  run.report("t error, 99.9 %", tally.quantile(0.999), "ulp", tally.values.size());
-  run.at_most("t error, largest", tally.quantile(1), "ulp", 0.5, tally.values.size());
-  run.at_most("u, v error, largest", tally.most[weight_error], "", 0x1p-25, tally.values.size());
+void judge(RowRun& run, const Tally& tally, const std::string& of = {}) {
+  run.none("false misses" + of, tally.count[false_miss], tally.cases);
+  run.none("false hits" + of, tally.count[false_hit], tally.cases);
+  run.none("t outside the corners' t's" + of, tally.count[outside_range], tally.cases);
+  run.report("t error, median" + of, tally.values.quantile(0.5), "ulp", tally.values.size());
+  run.report("t error, 99.9 %" + of, tally.values.quantile(0.999), "ulp", tally.values.size());
+  run.at_most("t error, largest" + of, tally.values.largest(), "ulp", 0.5, tally.values.size());
+  run.at_most("u, v error, largest" + of, tally.most[weight_error], "", 0x1p-25, tally.values.size());
+}
+
+/// A triangle in an instance of any transform, hit through both levels, against the rationals for the ray in object
+/// space, which is what an instance is defined by (docs/numerics.md, section 4).
+void examine_instance(const Subject& subject, Random& random, Tally& tally) {
+  const Transform3x4 m = random_affine(random);
+  const auto record = record_of(m);
+  if (!record) return;
+  Case c{{}, accel::test::shape(random, random.chance(4) ? Family::needle : Family::inside)};
+  Mesh mesh;
+  mesh.add_triangle(c.triangle[0], c.triangle[1], c.triangle[2]);
+  const auto tracer = subject.tracer({mesh}, {m});
+  Tally here;
+  for (int i = 0; i < 4; ++i) {
+    const Point from = accel::test::random_point(random, 4), to = target_of(random, c.triangle, Family::inside);
+    const Ray world = ray_between(transformed(m, from), transformed(m, to));
+    c.ray = accel::object_ray(*record, world);
+    if (!accel::test::usable(c)) continue;
+    const accel::Hit hit = tracer->closest(world);
+    const bool front = hit.hit_kind == accel::hit_kind_triangle_front_face;
+    examine(hit ? std::optional(accel::TriangleHit{hit.t, hit.u, hit.v, front}) : std::nullopt, c, here);
+  }
+  here.examples.clear();  // a ray and a triangle do not show what a transform did
+  tally.merge(here);
 }
 
 /// Nearly flat ground, seen from just above it at an angle of 1e-1 to 1e-8.
@@ -83,10 +108,10 @@ Case needle_case(Random& random) {
 }
 
 template <class Make>
-void examine_all(RowRun& run, uint64_t cases, const Make& make) {
+void examine_all(RowRun& run, Cases cases, const Make& make) {
   judge(run, run.sample(cases, 16, [&](Random& random, Tally& tally) {
     const Case c = make(random);
-    if (accel::test::usable(c)) examine(run.subject, c, tally);
+    if (accel::test::usable(c)) examine(run.subject.triangle(c.ray, c.triangle), c, tally);
   }));
 }
 
@@ -98,16 +123,20 @@ Mesh stretched(Mesh mesh, float factor) {
 }  // namespace
 
 void run_accuracy(RowRun& run) {
-  examine_all(run, run.slow(60000), [](Random& random) {
+  examine_all(run, run.slow(200000), [](Random& random) {
     const auto count = static_cast<uint32_t>(accel::test::all_families.size());
     return accel::test::random_case(random, accel::test::all_families[random.below(count)]);
   });
+  judge(run,
+        run.sample(run.slow(20000), 8,
+                   [&](Random& random, Tally& tally) { examine_instance(run.subject, random, tally); }),
+        ", in instances");
 }
 
-void run_grazing(RowRun& run) { examine_all(run, run.slow(40000), grazing_case); }
+void run_grazing(RowRun& run) { examine_all(run, run.slow(100000), grazing_case); }
 
 void run_needles(RowRun& run) {
-  examine_all(run, run.slow(40000), needle_case);
+  examine_all(run, run.slow(100000), needle_case);
   Tally total;
   for (const float factor : {1e-6f, 1e-3f, 1.0f, 1e3f, 1e6f}) {
     ClosedMesh fan{"sliver fan", stretched(bipyramid(4096), factor), {}, true};

@@ -154,7 +154,7 @@ Mesh integer_heights(uint32_t size) {
 }
 
 /// Axis rays along the planes of an integer height field against brute force.
-void shoot_heights(RowRun& run, uint64_t rays) {
+void shoot_heights(RowRun& run, Cases rays) {
   constexpr uint32_t size = 16;
   const Mesh mesh = integer_heights(size);
   const auto triangles = mesh.triangles;
@@ -174,7 +174,7 @@ void shoot_heights(RowRun& run, uint64_t rays) {
 }  // namespace
 
 void run_box_misses(RowRun& run) {
-  const Tally tally = run.sample(run.rays(1000000), 256, [&](Random& random, Tally& t) {
+  const Tally tally = run.sample(run.rays(4000000), 256, [&](Random& random, Tally& t) {
     const Case c = any_case(random);
     const auto hit = run.subject.triangle(c.ray, c.triangle);
     if (!hit) return;
@@ -201,7 +201,7 @@ void run_ridges(RowRun& run) {
 }
 
 void run_node_enclosure(RowRun& run) {
-  const Tally tally = run.sample(run.slow(2000), 4, [&](Random& random, Tally& t) {
+  const Tally tally = run.sample(run.slow(10000), 4, [&](Random& random, Tally& t) {
     const std::vector<Box> boxes = boxes_of_all_sizes(random, 20 + random.below(200));
     const auto block = accel::test::build_geometries(std::vector{geometry_of(boxes)}, random.below(32));
     const EnclosureCount count = check_enclosure(block.data());
@@ -214,7 +214,7 @@ void run_node_enclosure(RowRun& run) {
 }
 
 void run_axis_aligned(RowRun& run) {
-  const Tally tally = run.sample(run.rays(2000000), 1024, [&](Random& random, Tally& t) {
+  const Tally tally = run.sample(run.rays(5000000), 1024, [&](Random& random, Tally& t) {
     const Ray ray = on_grid_ray(random);
     const Box box = on_grid_box(random);
     Box root = box;

@@ -50,10 +50,10 @@ enum ShotCounter : size_t { leaks, wrong_parity, not_one, closest_differs };
 
 /// Shoots from all viewpoints at edges (a point lerp(edge, a) computed in float), vertices or triangles, the target
 /// then moved by up to 4 ulp in each component.
-Tally shoot(RowRun& run, const ClosedMesh& closed, Aim aim, uint64_t rays);
+Tally shoot(RowRun& run, const ClosedMesh& closed, Aim aim, Cases rays);
 
 /// Closest hits at vertices against brute force with the exact test: counter 0 of `total` counts other t's (O1).
-void compare_with_brute_force(RowRun& run, const ClosedMesh& closed, uint64_t rays, Tally& total);
+void compare_with_brute_force(RowRun& run, const ClosedMesh& closed, Cases rays, Tally& total);
 
 /// Adds the figures of tallies that shoot() made.
 void judge_shots(RowRun& run, const Tally& shots, const std::string& what);

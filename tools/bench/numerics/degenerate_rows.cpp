@@ -1,5 +1,6 @@
 // K10, K11: triangles without area are never hit; of equal ones the first wins and each is reported once.
 
+#include <rayloom/tests/accel/brute_force.h>
 #include <rayloom/tests/accel/triangle_cases.h>
 #include <rayloom/tools/bench/numerics/closed_mesh.h>
 #include <rayloom/tools/bench/numerics/rows.h>
@@ -56,8 +57,39 @@ Case aimed(Random& random, const Triangle& triangle) {
   return c;
 }
 
+/// Triangles without area in a structure: never hit; then moved apart by an update, and hit as brute force says.
+void update_degenerate(Random& random, Tally& tally) {
+  Mesh mesh;
+  for (int i = 0; i < 20; ++i) {
+    const Triangle t = random.chance(2) ? collinear(random) : repeated(random);
+    mesh.add_triangle(t[0], t[1], t[2]);
+    if (random.chance(4)) mesh.triangles.back()[random.below(3)] = mesh.triangles.back()[random.below(3)];
+  }
+  const auto builders = accel::all_builders();
+  const accel::BuildSettings settings(accel::build_flag::allow_update,
+                                      builders[random.below(static_cast<uint32_t>(builders.size()))]);
+  const accel::TriangleGeometry geometry = mesh.geometry();  // its vertices are replaced in place
+  const auto block = accel::test::build_geometries(std::vector{geometry}, settings);
+  const auto aim_at_vertex = [&] {
+    const Point& at = mesh.vertices[random.below(static_cast<uint32_t>(mesh.vertices.size()))];
+    return ray_between(accel::test::random_point(random, 2), at);
+  };
+  for (int i = 0; i < 4; ++i)
+    tally.add(3, accel::trace({}, accel::test::request_for(block, aim_at_vertex())).type != accel::HitType::none);
+  for (Point& p : mesh.vertices) p = accel::test::random_point(random, 1);
+  const std::span<const accel::TriangleGeometry> span(&geometry, 1);
+  accel::refit_bottom_level(span, settings, block.data(), block.span());
+  const auto triangles = accel::test::all_triangles({geometry});
+  for (int i = 0; i < 4; ++i) {
+    const Ray ray = aim_at_vertex();
+    const accel::Hit hit = accel::trace({}, accel::test::request_for(block, ray));
+    tally.add(4, !accel::test::same_bits(hit, accel::test::closest_of(accel::test::all_hits(triangles, ray), ray)));
+    tally.add(5, static_cast<bool>(hit));
+  }
+}
+
 /// `count` equal triangles in each of two geometries, each geometry in two instances.
-void shoot_copies(RowRun& run, uint32_t count, uint64_t rays) {
+void shoot_copies(RowRun& run, uint32_t count, Cases rays) {
   Mesh mesh;
   for (const Point& p : {Point{-1, -1, 1}, {1, -1, 1}, {0, 2, 1}}) mesh.add(p);
   mesh.triangles.assign(count, {0, 1, 2});
@@ -74,7 +106,7 @@ void shoot_copies(RowRun& run, uint32_t count, uint64_t rays) {
 }
 
 /// Quads in one plane over each other: the first of those hit wins.
-void shoot_coplanar(RowRun& run, uint64_t rays) {
+void shoot_coplanar(RowRun& run, Cases rays) {
   constexpr uint32_t quads = 60;
   Mesh mesh;
   Random random(run.seed());
@@ -104,12 +136,12 @@ void shoot_coplanar(RowRun& run, uint64_t rays) {
 }  // namespace
 
 void run_degenerate(RowRun& run) {
-  const Tally exact = run.sample(run.rays(200000), 256, [&](Random& random, Tally& tally) {
+  const Tally exact = run.sample(run.rays(1000000), 256, [&](Random& random, Tally& tally) {
     const Case c = aimed(random, random.chance(2) ? collinear(random) : repeated(random));
     if (accel::test::usable(c) && run.subject.triangle(c.ray, c.triangle)) tally.fail(0, c.ray, {c.triangle});
   });
   run.none("hits of collinear and repeated corners", exact.count[0], exact.cases);
-  const Tally tiny = run.sample(run.slow(20000), 16, [&](Random& random, Tally& tally) {
+  const Tally tiny = run.sample(run.slow(50000), 16, [&](Random& random, Tally& tally) {
     const Case c = aimed(random, subnormal(random));
     if (!accel::test::usable(c)) return;
     const auto hit = run.subject.triangle(c.ray, c.triangle);
@@ -120,11 +152,15 @@ void run_degenerate(RowRun& run) {
   run.none("hits of subnormal triangles without area", tiny.count[0], tiny.cases);
   run.none("subnormal triangles different from the rationals", tiny.count[1], tiny.cases);
   run.none("NaN in a hit", tiny.count[2], tiny.cases);
+  const Tally updates = run.sample(run.slow(2000), 16, update_degenerate);
+  run.none("hits of structures without area", updates.count[3], 4 * updates.cases);
+  run.none("other hits than brute force after an update gave them area", updates.count[4], 4 * updates.cases);
+  run.report("rays that hit after the update", static_cast<double>(updates.count[5]), "rays");
 }
 
 void run_duplicates(RowRun& run) {
-  for (uint32_t count = 2; count <= run.slow(100000); count *= count < 20 ? 3 : 20) shoot_copies(run, count, 8);
-  shoot_coplanar(run, run.rays(20000));
+  for (uint32_t count = 2; count <= run.slow(100000).count; count *= count < 20 ? 3 : 20) shoot_copies(run, count, {8});
+  shoot_coplanar(run, run.rays(100000));
 }
 
 }  // namespace rayloom::bench::numerics

@@ -13,14 +13,15 @@ namespace {
 using accel::test::Block;
 
 /// Geometries that share space, so that order matters: a bumpy sphere, a torus and a cloud of slivers.
-std::vector<Mesh> crowded_meshes(uint64_t seed) {
+std::vector<Mesh> crowded_meshes(int level, uint64_t seed) {
   Random random(seed);
   Mesh cloud;
-  for (int i = 0; i < 3000; ++i) {
+  for (int i = 0; i < 200 << level; ++i) {
     const Triangle t = accel::test::shape(random, i % 2 ? accel::test::Family::needle : accel::test::Family::inside);
     cloud.add_triangle(t[0], t[1], t[2]);
   }
-  return {accel::test::bumpy_sphere(4), accel::test::torus(60, 30, 0.375f), cloud, accel::test::cube(3)};
+  return {accel::test::bumpy_sphere(level), accel::test::torus(4u << level, 2u << level, 0.375f), cloud,
+          accel::test::cube(level - 1)};
 }
 
 Block build(const std::vector<Mesh>& meshes, const accel::BuildSettings& settings) {
@@ -42,42 +43,68 @@ uint64_t bytes_hash(const Block& block) {
   return hash;
 }
 
-std::vector<accel::TraceRequest> requests_for(const std::byte* structure, uint64_t rays, uint64_t seed) {
-  Random random(seed);
-  std::vector<accel::TraceRequest> requests(rays);
-  for (auto& request : requests) {
-    request.ray = ray_between(accel::test::random_point(random, 2), accel::test::random_point(random, 1));
-    request.structure = structure;
-  }
-  return requests;
+constexpr uint64_t block_rays = 512;
+
+/// The rays of one block, the same for every structure.
+std::vector<Ray> block_of_rays(uint64_t seed, uint64_t block) {
+  Random random(Hash64(seed).add(block).value());
+  std::vector<Ray> rays(block_rays);
+  for (Ray& ray : rays) ray = ray_between(accel::test::random_point(random, 2), accel::test::random_point(random, 1));
+  return rays;
 }
 
-struct Stream {
+std::vector<accel::Hit> trace_one_by_one(const std::byte* structure, const std::vector<Ray>& rays) {
   std::vector<accel::Hit> hits;
-  uint64_t different_in_batch = 0;  ///< between one ray at a time and a batch
+  accel::TraceRequest request;
+  request.structure = structure;
+  for (const Ray& ray : rays) {
+    request.ray = ray;
+    hits.push_back(accel::trace({}, request));
+  }
+  return hits;
+}
+
+std::vector<accel::Hit> trace_batch(const std::byte* structure, const std::vector<Ray>& rays) {
+  std::vector<accel::Hit> hits(rays.size());
+  accel::TraceRequest shared;
+  shared.structure = structure;
+  accel::trace({}, shared, rays, hits);
+  return hits;
+}
+
+uint64_t hash_of(const std::vector<accel::Hit>& hits) {
+  Hash64 hash;
+  for (const accel::Hit& hit : hits)
+    hash.add(hit.t).add(hit.u).add(hit.v).add(hit.geometry_index).add(hit.primitive_index).add(hit.hit_kind);
+  return hash.value();
+}
+
+/// A hash of each block's hits: what many rays hit, in little memory.
+struct Digests {
+  std::vector<uint64_t> one_by_one;
+  uint64_t other_in_batch = 0;  ///< blocks
+
+  uint64_t rays() const { return one_by_one.size() * block_rays; }
 };
 
-/// Hits one by one and as batches.
-Stream trace_stream(const std::vector<accel::TraceRequest>& requests) {
-  Stream stream;
-  stream.hits.resize(requests.size());
-  std::vector<accel::Hit> batch(requests.size());
-  parallel_for(requests.size(), 1024, [&](uint64_t begin, uint64_t end) {
-    for (uint64_t i = begin; i < end; ++i) stream.hits[i] = accel::trace({}, requests[i]);
-    accel::trace({}, std::span(requests).subspan(begin, end - begin), std::span(batch).subspan(begin, end - begin));
-  });
-  for (size_t i = 0; i < batch.size(); ++i)
-    stream.different_in_batch += !accel::test::same_bits(stream.hits[i], batch[i]);
-  return stream;
+Digests trace_blocks(RowRun& run, const std::byte* structure, Cases rays) {
+  const Cases blocks = rays / block_rays;
+  Digests digests{std::vector<uint64_t>(blocks.count)};
+  digests.other_in_batch = run.sample(blocks, 4,
+                                      [&](Random&, Tally& t) {
+                                        const auto block = block_of_rays(run.seed(), t.index);
+                                        uint64_t& digest = digests.one_by_one[t.index];
+                                        digest = hash_of(trace_one_by_one(structure, block));
+                                        t.add(0, digest != hash_of(trace_batch(structure, block)));
+                                      })
+                               .count[0];
+  return digests;
 }
 
-Stream trace_stream(const Block& block, uint64_t rays, uint64_t seed) {
-  return trace_stream(requests_for(block.data(), rays, seed));
-}
-
-uint64_t differences(const Stream& a, const Stream& b) {
+/// Blocks with other hits.
+uint64_t differences(const Digests& a, const Digests& b) {
   uint64_t count = 0;
-  for (size_t i = 0; i < a.hits.size(); ++i) count += !accel::test::same_bits(a.hits[i], b.hits[i]);
+  for (size_t i = 0; i < a.one_by_one.size(); ++i) count += a.one_by_one[i] != b.one_by_one[i];
   return count;
 }
 
@@ -109,97 +136,123 @@ Shuffled shuffled(const std::vector<Mesh>& meshes, Random& random) {
   return out;
 }
 
-/// Hits of shuffled geometries: the same t; the same triangle too, unless several have that t.
-void compare_shuffled(const Shuffled& shuffled, const Stream& before, const Stream& after, uint64_t& other_t,
-                      uint64_t& other_hit) {
-  for (size_t i = 0; i < before.hits.size(); ++i) {
-    const accel::Hit &a = before.hits[i], &b = after.hits[i];
-    if (std::bit_cast<uint32_t>(a.t) != std::bit_cast<uint32_t>(b.t) || static_cast<bool>(a) != static_cast<bool>(b)) {
-      ++other_t;
-      continue;
-    }
-    if (!a) continue;
+enum Counter : size_t { other_t, other_weights };
+
+/// Hits of shuffled geometries: the same t; the same u and v, unless several triangles have that t.
+void compare_shuffled(const Shuffled& shuffled, const std::vector<accel::Hit>& before,
+                      const std::vector<accel::Hit>& after, Tally& tally) {
+  const auto bits = [](float x) { return std::bit_cast<uint32_t>(x); };
+  for (size_t i = 0; i < before.size(); ++i) {
+    const accel::Hit &a = before[i], &b = after[i];
+    const bool same_t = bits(a.t) == bits(b.t) && static_cast<bool>(a) == static_cast<bool>(b);
+    tally.add(other_t, !same_t);
+    if (!same_t || !a) continue;
     const bool same_triangle = a.geometry_index == shuffled.geometry[b.geometry_index] &&
                                a.primitive_index == shuffled.triangle[b.geometry_index][b.primitive_index];
     // Among equal t the smallest new name wins.
-    if (same_triangle) other_hit += std::bit_cast<uint32_t>(a.u) != std::bit_cast<uint32_t>(b.u) || a.v != b.v;
+    tally.add(other_weights, same_triangle && (bits(a.u) != bits(b.u) || bits(a.v) != bits(b.v)));
   }
+}
+
+/// Updates a structure with the geometry it was built from.
+void refit(const std::vector<Mesh>& meshes, const accel::BuildSettings& settings, const Block& block) {
+  std::vector<accel::TriangleGeometry> geometries;
+  for (const Mesh& mesh : meshes) geometries.push_back(mesh.geometry());
+  accel::refit_bottom_level(std::span<const accel::TriangleGeometry>(geometries), settings, block.data(), block.span());
+}
+
+/// All combinations that DXR allows.
+std::vector<accel::BuildSettings> all_settings() {
+  using namespace accel::build_flag;
+  std::vector<accel::BuildSettings> all;
+  for (const accel::Builder builder : accel::all_builders())
+    for (uint32_t flags = 0; flags < 32; ++flags)
+      if (!(flags & prefer_fast_trace) || !(flags & prefer_fast_build)) all.emplace_back(flags, builder);
+  return all;
 }
 
 }  // namespace
 
 void run_threads(RowRun& run) {
-  const auto meshes = crowded_meshes(run.seed());
-  const uint64_t rays = run.rays(20000);
-  uint64_t other_bytes = 0, other_hits = 0, builds = 0;
+  const auto meshes = crowded_meshes(4, run.seed());
+  uint64_t other_bytes = 0, other_hits = 0, rays = 0, builds = 0;
   for (const accel::Builder builder : accel::all_builders()) {
     std::optional<uint64_t> expected;
-    std::optional<Stream> stream;
+    std::optional<Digests> hits;
     for (const unsigned threads : {1, 2, 3, 7, 16, 64}) {
       const ThreadLimit limit(threads);
       const Block block = build(meshes, {accel::build_flag::none, builder});
-      const Stream hits = trace_stream(block, rays, run.seed());
-      other_bytes += bytes_hash(block) != expected.value_or(bytes_hash(block));
-      if (stream) other_hits += differences(*stream, hits);
-      if (!expected) expected = bytes_hash(block), stream = hits;
+      const uint64_t bytes = bytes_hash(block);
+      const Digests here = trace_blocks(run, block.data(), run.rays(20000));
+      other_bytes += bytes != expected.value_or(bytes);
+      if (hits) other_hits += differences(*hits, here);
+      if (!hits) expected = bytes, hits = here;
+      rays += here.rays();
       ++builds;
     }
   }
   run.none("structures with other bytes than one thread's", other_bytes, builds, "builds");
-  run.none("hits that differ from one thread's", other_hits, rays * builds);
+  run.none("blocks of hits that differ from one thread's", other_hits, rays);
 }
 
 void run_instruction_sets(RowRun& run) {
-  const auto meshes = crowded_meshes(run.seed());
-  const Block block = build(meshes, accel::build_flag::none);
-  const uint64_t rays = run.rays(100000);
-  const auto requests = requests_for(block.data(), rays, run.seed());
-  std::optional<Stream> expected;
-  uint64_t different = 0, batch = 0, sets = 0;
+  const Block block = build(crowded_meshes(4, run.seed()), accel::build_flag::none);
+  std::optional<Digests> expected;
+  uint64_t different = 0, batch = 0, rays = 0, sets = 0;
   accel::test::for_each_isa([&](accel::Isa) {
-    const Stream stream = trace_stream(requests);
-    if (expected) different += differences(*expected, stream);
-    if (!expected) expected = stream;
-    batch += stream.different_in_batch;
+    const Digests hits = trace_blocks(run, block.data(), run.rays(100000));
+    if (expected) different += differences(*expected, hits);
+    if (!expected) expected = hits;
+    batch += hits.other_in_batch;
+    rays += hits.rays();
     ++sets;
   });
-  run.none("hits that differ between instruction sets", different, rays * (sets - 1));
-  run.none("hits that differ between one ray and a batch", batch, rays * sets);
+  run.none("blocks of hits that differ between instruction sets", different, rays);
+  run.none("blocks of hits that differ between one ray and a batch", batch, rays);
   run.report("instruction sets", static_cast<double>(sets), "");
 }
 
 void run_orders(RowRun& run) {
-  const auto meshes = crowded_meshes(run.seed());
-  const uint64_t rays = run.rays(5000), shuffles = std::min<uint64_t>(100, run.slow(10));
-  const Stream before = trace_stream(build(meshes, accel::build_flag::none), rays, run.seed());
+  const auto meshes = crowded_meshes(3, run.seed());
+  const Block before = build(meshes, accel::build_flag::none);
   Random random(run.seed());
-  uint64_t other_t = 0, other_hit = 0;
+  Tally total;
+  uint64_t rays = 0;
+  const uint64_t shuffles = std::min<uint64_t>(100, run.slow(20).count);
   for (uint64_t i = 0; i < shuffles; ++i) {
     const Shuffled other = shuffled(meshes, random);
-    compare_shuffled(other, before, trace_stream(build(other.meshes, accel::build_flag::none), rays, run.seed()),
-                     other_t, other_hit);
+    const Block after = build(other.meshes, accel::build_flag::none);
+    const Cases blocks = run.rays(5000) / block_rays;
+    total.merge(run.sample(blocks, 4, [&](Random&, Tally& t) {
+      const auto block = block_of_rays(run.seed(), t.index);
+      compare_shuffled(other, trace_batch(before.data(), block), trace_batch(after.data(), block), t);
+    }));
+    rays += blocks.count * block_rays;
   }
-  run.none("other t than in the first order", other_t, rays * shuffles);
-  run.none("other u or v of the same triangle", other_hit, rays * shuffles);
+  run.none("other t than in the first order", total.count[other_t], rays);
+  run.none("other u or v of the same triangle", total.count[other_weights], rays);
 }
 
 void run_build_modes(RowRun& run) {
-  const auto meshes = crowded_meshes(run.seed());
-  const uint64_t rays = run.rays(5000);
-  const Stream expected = trace_stream(build(meshes, accel::build_flag::none), rays, run.seed());
-  uint64_t different = 0, copied = 0, modes = 0;
-  for (const accel::Builder builder : accel::all_builders())
-    for (uint32_t flags = 0; flags < 32; ++flags) {
-      if ((flags & accel::build_flag::prefer_fast_trace) && (flags & accel::build_flag::prefer_fast_build)) continue;
-      const Block block = build(meshes, {flags, builder});
-      different += differences(expected, trace_stream(block, rays, run.seed()));
-      Block elsewhere(block.size());  // as bytes written and read again
-      std::memcpy(elsewhere.data(), block.data(), block.used);
-      copied += differences(expected, trace_stream(elsewhere, rays, run.seed()));
-      ++modes;
-    }
-  run.none("hits that differ from the default build's", different, rays * modes);
-  run.none("hits that differ after a copy of the bytes", copied, rays * modes);
+  const auto meshes = crowded_meshes(3, run.seed());
+  const Cases rays = run.rays(5000);
+  const Digests expected = trace_blocks(run, build(meshes, accel::build_flag::none).data(), rays);
+  uint64_t different = 0, copied = 0, updated = 0, modes = 0, updates = 0;
+  for (const accel::BuildSettings& settings : all_settings()) {
+    const Block block = build(meshes, settings);
+    different += differences(expected, trace_blocks(run, block.data(), rays));
+    Block elsewhere(block.size());  // as compaction does, or bytes written and read again
+    std::memcpy(elsewhere.data(), block.data(), block.used);
+    copied += differences(expected, trace_blocks(run, elsewhere.data(), rays));
+    ++modes;
+    if (!(settings.flags & accel::build_flag::allow_update)) continue;
+    refit(meshes, settings, block);
+    updated += differences(expected, trace_blocks(run, block.data(), rays));
+    ++updates;
+  }
+  run.none("blocks of hits that differ from the default build's", different, expected.rays() * modes);
+  run.none("blocks of hits that differ after a copy of the bytes", copied, expected.rays() * modes);
+  run.none("blocks of hits that differ after an update", updated, expected.rays() * updates);
 }
 
 }  // namespace rayloom::bench::numerics

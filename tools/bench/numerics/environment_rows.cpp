@@ -89,7 +89,7 @@ double seconds_of(const Shots& shots) {
 void compare_states(RowRun& run, std::span<const NamedState> states) {
   uint64_t different = 0, rays = 0;
   for (const float scale : {1.0f, 1e-12f, 1e-15f, 1e-19f, 0x1p-100f}) {
-    const Shots shots = shots_at(run.subject, scale, run.slow(2000), run.seed());
+    const Shots shots = shots_at(run.subject, scale, run.slow(5000).count, run.seed());
     const FloatEnvironment environment;
     const auto expected = trace_all(shots);
     for (const NamedState& state : states) {
@@ -109,8 +109,8 @@ void compare_states(RowRun& run, std::span<const NamedState> states) {
 
 void run_flush_to_zero(RowRun& run) {
   compare_states(run, flushes);
-  const Shots unit = shots_at(run.subject, 1, run.slow(2000), run.seed());
-  const Shots tiny = shots_at(run.subject, 1e-19f, run.slow(2000), run.seed());
+  const Shots unit = shots_at(run.subject, 1, run.slow(2000).count, run.seed());
+  const Shots tiny = shots_at(run.subject, 1e-19f, run.slow(2000).count, run.seed());
   const double plain = seconds_of(unit);
   run.report("time at scale 1e-19 over time at scale 1", seconds_of(tiny) / plain, "x (a time: not gated)");
 }

@@ -77,6 +77,29 @@ void build_garbage(Random& random, Tally& tally) {
   }
 }
 
+/// Boxes of any bits, whose intersections are reported at a t of any bits.
+void build_garbage_boxes(Random& random, Tally& tally) {
+  std::vector<std::array<float, 6>> boxes(1 + random.below(40));
+  for (auto& box : boxes)
+    for (float& x : box) x = any_float(random);
+  const accel::AabbGeometry geometry{reinterpret_cast<const std::byte*>(boxes.data()), sizeof(boxes[0]), boxes.size(),
+                                     random.below(4)};
+  const auto block = accel::test::build_geometries(std::vector{geometry}, {random.below(32), any_builder(random)});
+  ++tally.count[built];
+  for (int i = 0; i < 8; ++i) {
+    const Ray ray = any_ray(random);
+    accel::TraceRequest request = accel::test::request_for(block, ray, static_cast<uint32_t>(random.bits()));
+    float report = any_float(random);
+    request.user = &report;
+    request.candidate = [](void* user, const accel::Candidate&) noexcept {
+      return accel::Verdict{true, false, *static_cast<const float*>(user), 0};
+    };
+    const accel::Hit hit = accel::trace({}, request);
+    tally.add(wrong, hit && !(hit.t == report && hit.t >= ray.t_min && hit.t <= ray.t_max));
+    ++tally.count[traced];
+  }
+}
+
 /// Whether building throws InputError.
 bool is_refused(const accel::TriangleGeometry& geometry) {
   try {
@@ -103,7 +126,8 @@ accel::TriangleGeometry indexed(const Mesh& mesh, const void* indices, accel::In
 }  // namespace
 
 void run_garbage(RowRun& run) {
-  const Tally tally = run.sample(run.slow(20000), 32, build_garbage);
+  Tally tally = run.sample(run.slow(25000), 32, build_garbage);
+  tally.merge(run.sample(run.slow(25000), 32, build_garbage_boxes));
   run.none("hits outside their interval or their triangle", tally.count[wrong], tally.count[traced]);
   run.report("built", static_cast<double>(tally.count[built]), "structures");
   run.report("refused with a reason", static_cast<double>(tally.count[refused]), "structures");

@@ -127,7 +127,7 @@ void try_chain(const Subject& subject, const Meshes& meshes, uint32_t length, Ra
 void run_exact_transforms(RowRun& run) {
   const Meshes meshes;
   const auto flat = run.subject.tracer({meshes.mesh});
-  const Tally tally = run.sample(run.slow(1000), 4, [&](Random& random, Tally& t) {
+  const Tally tally = run.sample(run.slow(5000), 4, [&](Random& random, Tally& t) {
     const Transform3x4 m = exact_transform(random);
     const auto instanced = run.subject.tracer({meshes.mesh}, {m});
     for (int i = 0; i < 50; ++i) {
@@ -143,7 +143,7 @@ void run_exact_transforms(RowRun& run) {
 
 void run_affine_transforms(RowRun& run) {
   const Meshes meshes;
-  const Tally tally = run.sample(run.slow(1500), 2, [&](Random& random, Tally& t) {
+  const Tally tally = run.sample(run.slow(5000), 2, [&](Random& random, Tally& t) {
     const auto placed = place(run.subject, meshes, random_affine(random));
     if (!placed) return;
     for (int i = 0; i < 60; ++i) shoot_instance(*placed, meshes, random, t);
@@ -156,7 +156,7 @@ void run_affine_transforms(RowRun& run) {
 
 void run_singular_transforms(RowRun& run) {
   const Meshes meshes;
-  const Tally tally = run.sample(run.slow(2000), 8, [&](Random& random, Tally& t) {
+  const Tally tally = run.sample(run.slow(5000), 8, [&](Random& random, Tally& t) {
     const Transform3x4 m = bad_transform(random);
     const auto tracer = run.subject.tracer({meshes.mesh}, {m, accel::identity_transform});
     for (int i = 0; i < 8; ++i) {
@@ -177,7 +177,7 @@ void run_transform_chains(RowRun& run) {
   double first = 0, last = 0;
   for (uint32_t length = 2; length <= 8; ++length) {
     const Tally tally = run.sample(
-        run.slow(150), 2, [&](Random& random, Tally& t) { try_chain(run.subject, meshes, length, random, t); });
+        run.slow(500), 2, [&](Random& random, Tally& t) { try_chain(run.subject, meshes, length, random, t); });
     run.report(fmt::format("t error of chains of {}, largest", length), tally.most[0], "ulp x conditioning",
                tally.count[0]);
     (length == 2 ? first : last) = tally.most[0];

@@ -118,12 +118,12 @@ void try_instances(Random& random, Tally& tally) {
 }  // namespace
 
 void run_invalid_geometry(RowRun& run) {
-  const Tally meshes = run.sample(run.slow(500), 4, compare_with_valid);
+  const Tally meshes = run.sample(run.slow(2000), 4, compare_with_valid);
   run.none("hits changed by invalid triangles beside them", meshes.count[0], meshes.count[1]);
   run.none("primitive counts changed", meshes.count[2], meshes.cases, "structures");
-  const Tally boxes = run.sample(run.slow(2000), 16, try_boxes);
+  const Tally boxes = run.sample(run.slow(10000), 16, try_boxes);
   run.none("boxes wrongly asked about or left out", boxes.count[4], boxes.count[5], "boxes");
-  const Tally instances = run.sample(run.slow(1000), 16, try_instances);
+  const Tally instances = run.sample(run.slow(5000), 16, try_instances);
   run.none("null and empty bottom levels in the way", instances.count[6], instances.cases);
 }
 

@@ -8,13 +8,11 @@ namespace {
 
 constexpr std::string_view tier_names[] = {"quick", "ci", "nightly", "release"};
 
-struct Growth {
-  double rays, slow;
-};
-constexpr Growth growth[] = {{0.02, 0.05}, {1, 1}, {250, 20}, {2500, 100}};
+/// Of the tiers, by Growth.
+constexpr double factors[][growths] = {{1, 0.01, 0.05}, {1, 1, 1}, {1, 100, 20}, {1, 1000, 100}};
 
-uint64_t scaled(uint64_t ci, double factor) {
-  return std::max<uint64_t>(1, static_cast<uint64_t>(static_cast<double>(ci) * factor));
+double seconds_since(std::chrono::steady_clock::time_point start) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
 }  // namespace
@@ -27,6 +25,10 @@ Tier parse_tier(const std::string& name) {
   throw InputError("--tier: '" + name + "' is not one of quick ci nightly release");
 }
 
+double growth_factor(Tier tier, Growth growth) {
+  return factors[static_cast<size_t>(tier)][static_cast<size_t>(growth)];
+}
+
 double Figure::per_billion() const { return cases ? 1e9 * value / static_cast<double>(cases) : 0; }
 
 double Figure::bound_per_billion() const {
@@ -35,13 +37,23 @@ double Figure::bound_per_billion() const {
   return 1e9 * failures / static_cast<double>(cases);
 }
 
-RowRun::RowRun(std::string_view id, const Subject& tested, Tier tier, uint64_t seed)
-    : subject(tested), tier_(tier), seed_(seed) {
+RowRun::RowRun(std::string_view id, const Subject& tested, Tier tier, uint64_t seed, Watcher* watcher)
+    : subject(tested), tier_(tier), seed_(seed), watcher_(watcher) {
   result.id = id;
 }
 
-uint64_t RowRun::rays(uint64_t ci) const { return scaled(ci, growth[static_cast<size_t>(tier_)].rays); }
-uint64_t RowRun::slow(uint64_t ci) const { return scaled(ci, growth[static_cast<size_t>(tier_)].slow); }
+Cases RowRun::rays(uint64_t ci) const { return grown(ci, Growth::rays); }
+Cases RowRun::slow(uint64_t ci) const { return grown(ci, Growth::slow); }
+
+Cases RowRun::grown(uint64_t ci, Growth growth) const {
+  const double count = static_cast<double>(ci) * growth_factor(tier_, growth);
+  return {std::max<uint64_t>(1, static_cast<uint64_t>(count)), growth};
+}
+
+RowRun::Timer::Timer(RowRun& run, Cases cases) : run_(run), growth_(cases.growth) {
+  if (run.watcher_) run.watcher_->begin(run.result.id, cases.count);
+}
+RowRun::Timer::~Timer() { run_.result.seconds_by_growth[static_cast<size_t>(growth_)] += seconds_since(start_); }
 
 uint64_t RowRun::stream_seed(uint64_t part, uint64_t begin) const {
   Hash64 hash(seed_);
@@ -50,7 +62,6 @@ uint64_t RowRun::stream_seed(uint64_t part, uint64_t begin) const {
 }
 
 void RowRun::finish(uint64_t part, Tally& tally) {
-  std::sort(tally.values.begin(), tally.values.end());
   for (FailingRay& failing : tally.examples) {
     failing.row = result.id;
     failing.seed = seed_;
@@ -77,12 +88,23 @@ const Row& find_row(const std::string& id) {
   throw InputError("--row: there is no row '" + id + "'");
 }
 
-RowResult run_row(const Row& row, const Subject& subject, Tier tier, uint64_t seed) {
+RowResult run_row(const Row& row, const Subject& subject, Tier tier, uint64_t seed, Watcher* watcher) {
   const auto start = std::chrono::steady_clock::now();
-  RowRun run(row.id, subject, tier, seed);
+  RowRun run(row.id, subject, tier, seed, watcher);
   row.run(run);
-  run.result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  return run.result;
+  RowResult& result = run.result;
+  result.seconds = seconds_since(start);
+  auto& [fixed, rays, slow] = result.seconds_by_growth;
+  fixed = std::max(0.0, result.seconds - rays - slow);
+  return result;
+}
+
+double expected_seconds(const RowResult& result, Tier tried, Tier wanted) {
+  double seconds = 0;
+  for (const Growth growth : {Growth::fixed, Growth::rays, Growth::slow})
+    seconds += result.seconds_by_growth[static_cast<size_t>(growth)] * growth_factor(wanted, growth) /
+               growth_factor(tried, growth);
+  return seconds;
 }
 
 }  // namespace rayloom::bench::numerics

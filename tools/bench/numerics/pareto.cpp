@@ -104,6 +104,11 @@ Ray random_ray(const Scene& scene, Random& random) {
   return ray;
 }
 
+Ray vertex_ray(const Scene& scene, Random& random) {
+  return ray_between(scene.inside,
+                     scene.mesh.vertices[random.below(static_cast<uint32_t>(scene.mesh.vertices.size()))]);
+}
+
 Ray edge_ray(const Scene& scene, Random& random) {
   const auto& triangle = scene.mesh.triangles[random.below(static_cast<uint32_t>(scene.mesh.triangles.size()))];
   const uint32_t corner = random.below(3);
@@ -126,6 +131,7 @@ Rays make_rays(const Scene& scene, uint64_t count, uint64_t seed, const Make& ma
 struct Outcome {
   double ns = 0;
   uint64_t misses = 0, edge_rays = 0;
+  uint64_t vertex_misses = 0, vertex_rays = 0;
   std::vector<float> ulps;
 };
 
@@ -155,6 +161,7 @@ double quantile(const std::vector<float>& sorted, double fraction) {
 /// Points of all tracers on one scene, in the order of Tracers::list.
 std::vector<Outcome> measure_scene(const Scene& scene, const Tracers& tracers, const ParetoOptions& options) {
   const Rays edge = make_rays(scene, options.edge_rays, options.seed, edge_ray);
+  const Rays vertex = make_rays(scene, options.edge_rays / 5, options.seed + 3, vertex_ray);
   const Rays timed = make_rays(scene, options.timed_rays, options.seed + 1, random_ray);
   const Rays exact = make_rays(scene, options.exact_rays, options.seed + 2, random_ray);
   std::vector<Outcome> points(tracers.list.size());
@@ -166,6 +173,10 @@ std::vector<Outcome> measure_scene(const Scene& scene, const Tracers& tracers, c
     tracer.closest(edge, hits);
     points[i].misses = misses_of(hits);
     points[i].edge_rays = edge.size();
+    hits.resize(vertex.size());
+    tracer.closest(vertex, hits);
+    points[i].vertex_misses = misses_of(hits);
+    points[i].vertex_rays = vertex.size();
     hits.resize(exact.size());
     tracer.closest(exact, hits);
     points[i].ulps = t_errors(scene, exact, hits);
@@ -180,15 +191,18 @@ double per_billion(uint64_t misses, uint64_t rays) {
   return 1e9 * static_cast<double>(misses) / static_cast<double>(rays);
 }
 
+std::string rate_text(uint64_t misses, uint64_t rays) {
+  return misses ? fmt::format("{:.3g}", per_billion(misses, rays)) : fmt::format("0 (< {:.2g})", per_billion(3, rays));
+}
+
 std::vector<std::string> table_row(const std::string& scene, const std::string& tracer, const Outcome& point) {
-  const std::string rate = point.misses ? fmt::format("{:.3g}", per_billion(point.misses, point.edge_rays))
-                                        : fmt::format("0 (< {:.2g})", per_billion(3, point.edge_rays));
   return {scene,
           tracer,
           fmt::format("{:.1f}", point.ns),
           std::to_string(point.misses),
           std::to_string(point.edge_rays),
-          rate,
+          rate_text(point.misses, point.edge_rays),
+          rate_text(point.vertex_misses, point.vertex_rays),
           fmt::format("{:.3g}", quantile(point.ulps, 0.5)),
           fmt::format("{:.3g}", quantile(point.ulps, 0.999)),
           fmt::format("{:.3g}", quantile(point.ulps, 1))};
@@ -202,6 +216,8 @@ Outcome combined(const std::vector<Outcome>& scenes) {
     times.push_back(point.ns);
     all.misses += point.misses;
     all.edge_rays += point.edge_rays;
+    all.vertex_misses += point.vertex_misses;
+    all.vertex_rays += point.vertex_rays;
     all.ulps.insert(all.ulps.end(), point.ulps.begin(), point.ulps.end());
   }
   std::sort(all.ulps.begin(), all.ulps.end());
@@ -210,15 +226,18 @@ Outcome combined(const std::vector<Outcome>& scenes) {
 }
 
 struct Charts {
-  Chart misses{
-      "pareto_misses", "Time against false misses", {"ns/ray", false}, {"false misses per 10^9 edge rays", true}, {}};
-  Chart errors{"pareto_t", "Time against error of t", {"ns/ray", false}, {"99.9 % error of t (ulp)", true}, {}};
+  Chart misses{"pareto_misses",
+               "Time against false misses",
+               {"ns/ray", false, true},
+               {"false misses per 10⁹ edge rays", true},
+               {}};
+  Chart errors{"pareto_t", "Time against error of t", {"ns/ray", false, true}, {"99.9 % error of t (ulp)", true}, {}};
 
   void add(const std::string& name, const Outcome& point) {
     const double rate = per_billion(point.misses ? point.misses : 3, point.edge_rays);
-    const std::string label = point.misses ? name : name + " (none seen: 95 % bound)";
-    misses.series.push_back({name, {{point.ns, rate, 0, 0, label}}, Style::points});
-    errors.series.push_back({name, {{point.ns, quantile(point.ulps, 0.999), 0, 0, name}}, Style::points});
+    const std::string bound = point.misses ? "" : ": 0, < 95 % bound";
+    misses.series.push_back({name + bound, {{point.ns, rate, 0, 0, ""}}, Style::points});
+    errors.series.push_back({name, {{point.ns, quantile(point.ulps, 0.999), 0, 0, ""}}, Style::points});
   }
 };
 
@@ -226,8 +245,8 @@ struct Charts {
 
 void add_pareto(BenchReport& report, const ParetoOptions& options) {
   PageTable table{"pareto", "Run time against error, one thread, incoherent rays from inside closed meshes", {}};
-  table.rows.push_back({"scene", "tracer", "ns/ray", "false misses", "of edge rays", "per 10^9", "t error, median ulp",
-                        "99.9 % ulp", "largest ulp"});
+  table.rows.push_back({"scene", "tracer", "ns/ray", "false misses", "of edge rays", "per 10^9", "at vertices",
+                        "t error, median ulp", "99.9 % ulp", "largest ulp"});
   std::vector<std::string> names;
   std::vector<std::vector<Outcome>> by_tracer;
   for (const Scene& scene : pareto_scenes()) {
@@ -250,9 +269,11 @@ void add_pareto(BenchReport& report, const ParetoOptions& options) {
                                      {"ns_per_ray", all.ns},
                                      {"false_misses", all.misses},
                                      {"edge_rays", all.edge_rays},
+                                     {"false_vertex_misses", all.vertex_misses},
+                                     {"vertex_rays", all.vertex_rays},
                                      {"t_error_ulp_999", quantile(all.ulps, 0.999)}});
     if (names[i].starts_with("ours")) {
-      report.targets.at_most(names[i] + ": false misses", static_cast<double>(all.misses), 0);
+      report.targets.at_most(names[i] + ": false misses", static_cast<double>(all.misses + all.vertex_misses), 0);
       report.targets.at_most(names[i] + ": largest error of t", quantile(all.ulps, 1), 0.5, " ulp");
     }
   }

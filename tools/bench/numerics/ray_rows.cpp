@@ -166,11 +166,11 @@ void walk_hits(const MeshTracer& tracer, const std::vector<accel::test::NamedTri
 void run_direction_scales(RowRun& run) {
   const Mesh mesh = accel::test::bumpy_sphere(2);
   const auto tracer = run.subject.tracer({mesh});
-  const Tally scaling = run.sample(run.rays(200000), 256,
+  const Tally scaling = run.sample(run.rays(1000000), 256,
                                    [&](Random& random, Tally& tally) { compare_scaled(*tracer, mesh, random, tally); });
   run.none("hits changed by a direction 2^k as long", scaling.count[0], scaling.count[1]);
   const auto triangles = accel::test::all_triangles({mesh.geometry()});
-  const Tally wild = run.sample(run.slow(20000), 32,
+  const Tally wild = run.sample(run.slow(50000), 32,
                                 [&](Random& random, Tally& tally) { compare_wild(*tracer, triangles, random, tally); });
   run.none("other hits than brute force, components 2^-149 to 2^127", wild.count[0], wild.cases);
 }
@@ -192,7 +192,7 @@ void run_invalid_rays(RowRun& run) {
 }
 
 void run_interval_ends(RowRun& run) {
-  const Tally tally = run.sample(run.slow(20000), 64, [&](Random& random, Tally& t) {
+  const Tally tally = run.sample(run.slow(50000), 64, [&](Random& random, Tally& t) {
     const auto one = one_hit(run.subject, random);
     if (!one) return;
     Mesh mesh;
@@ -208,7 +208,7 @@ void run_interval_ends(RowRun& run) {
   const accel::AabbGeometry geometry{reinterpret_cast<const std::byte*>(box), 24, 1, 0};
   const auto block = accel::test::build_geometries(std::vector{geometry});
   const Tally procedural =
-      run.sample(run.rays(50000), 256, [&](Random& random, Tally& t) { try_procedural_ends(block, random, t); });
+      run.sample(run.rays(500000), 256, [&](Random& random, Tally& t) { try_procedural_ends(block, random, t); });
   run.none("procedural hits wrongly in or out", procedural.count[1], 4 * procedural.cases, "intervals");
 }
 
@@ -225,7 +225,7 @@ void run_next_hits(RowRun& run) {
   }
   const auto tracer = run.subject.tracer({mesh});
   const auto triangles = accel::test::all_triangles({mesh.geometry()});
-  const Tally tally = run.sample(run.slow(10000), 16, [&](Random& random, Tally& t) {
+  const Tally tally = run.sample(run.slow(20000), 16, [&](Random& random, Tally& t) {
     walk_hits(*tracer, triangles, random_ray(random, mesh), t);
   });
   run.none("walks that lose or repeat a hit", tally.count[0], tally.cases, "walks");

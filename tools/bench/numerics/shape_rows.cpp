@@ -103,32 +103,43 @@ TimedBuild timed_build(const Mesh& mesh, accel::Builder builder) {
   return {std::move(block), seconds_since(start)};
 }
 
+/// Of rays along z through the middle, as a batch.
+double ns_per_ray(const Block& block) {
+  std::vector<Ray> rays(16, Ray{{0.01f, 0.02f, 0}, 0, {0, 0, 1}, INFINITY});
+  for (size_t i = 0; i < rays.size(); ++i) rays[i].origin[0] += 0.001f * static_cast<float>(i);
+  std::vector<accel::Hit> hits(rays.size());
+  const auto start = std::chrono::steady_clock::now();
+  accel::trace({}, accel::test::request_for(block, rays[0]), rays, hits);
+  return 1e9 * seconds_since(start) / static_cast<double>(rays.size());
+}
+
 void judge_depth(RowRun& run, const std::string& what, const Mesh& mesh, const TimedBuild& built, double uniform) {
   const auto count = static_cast<double>(mesh.triangles.size());
   run.at_most(what + ": depth", built.block.header().depth, "nodes", std::ceil(std::log2(count)) + 8);
   run.at_most(what + ": bytes per triangle", static_cast<double>(built.block.used) / count, "bytes", 128);
   run.report(what + ": build time over that of scattered triangles", built.seconds / uniform, "x (a time: not gated)");
+  run.report(what + ": a ray through all", ns_per_ray(built.block), "ns (a time: not gated)");
 }
 
-/// Closest hits against brute force for each builder.
-void compare_builders(RowRun& run, const std::string& what, const Mesh& mesh, uint64_t rays) {
+/// Closest hits of every builder's tree against brute force.
+void compare_builders(RowRun& run, const std::string& what, const Mesh& mesh, Cases rays) {
   const auto triangles = accel::test::all_triangles({mesh.geometry()});
-  uint64_t different = 0, deepest = 0;
+  std::vector<TimedBuild> built;
+  uint64_t deepest = 0;
   for (const accel::Builder builder : accel::all_builders()) {
-    const TimedBuild built = timed_build(mesh, builder);
-    deepest = std::max<uint64_t>(deepest, built.block.header().depth);
-    different += run.sample(rays, 8,
-                            [&](Random& random, Tally& tally) {
-                              const Point& at =
-                                  mesh.vertices[random.below(static_cast<uint32_t>(mesh.vertices.size()))];
-                              const Ray ray = ray_between(accel::test::random_point(random, 1), at);
-                              const auto expected = accel::test::closest_of(accel::test::all_hits(triangles, ray), ray);
-                              const auto hit = accel::trace({}, accel::test::request_for(built.block, ray));
-                              if (!accel::test::same_bits(hit, expected)) tally.fail(0, ray, {});
-                            })
-                     .count[0];
+    built.push_back(timed_build(mesh, builder));
+    deepest = std::max<uint64_t>(deepest, built.back().block.header().depth);
   }
-  run.none(what + ": other hits than brute force", different, rays * accel::all_builders().size());
+  const Tally tally = run.sample(rays, 8, [&](Random& random, Tally& t) {
+    const Point& at = mesh.vertices[random.below(static_cast<uint32_t>(mesh.vertices.size()))];
+    const Ray ray = ray_between(accel::test::random_point(random, 1), at);
+    const auto expected = accel::test::closest_of(accel::test::all_hits(triangles, ray), ray);
+    for (const TimedBuild& tree : built) {
+      const auto hit = accel::trace({}, accel::test::request_for(tree.block, ray));
+      if (!accel::test::same_bits(hit, expected)) t.fail(0, ray, {});
+    }
+  });
+  run.none(what + ": other hits than brute force", tally.count[0], rays.count * built.size());
   run.at_most(what + ": depth", static_cast<double>(deepest), "nodes", accel::max_depth);
 }
 
@@ -181,16 +192,18 @@ void watch_stack(Random& random, Tally& tally) {
 }  // namespace
 
 void run_equal_centres(RowRun& run) {
-  const uint64_t count = std::min<uint64_t>(10000000, run.slow(300000));
+  const uint64_t count = std::min<uint64_t>(10000000, run.slow(500000).count);
   const Mesh reference = scattered(count, run.seed());
-  for (const accel::Builder builder : accel::all_builders()) {
+  const auto builders = accel::all_builders();
+  run.repeat({builders.size(), Growth::slow}, [&](uint64_t i) {
+    const accel::Builder builder = builders[i];
     const std::string name = fmt::format("{}, {} ", accel::builder_name(builder), count);
     const double uniform = timed_build(reference, builder).seconds;
     for (const auto& [what, mesh] : {std::pair{"identical", identical(count)},
                                      {"concentric", concentric(count)},
                                      {"in two clusters", two_clusters(count)}})
       judge_depth(run, name + what, mesh, timed_build(mesh, builder), uniform);
-  }
+  });
 }
 
 void run_exponential(RowRun& run) {
@@ -203,7 +216,9 @@ void run_exponential(RowRun& run) {
 
 void run_slivers(RowRun& run) {
   compare_builders(run, "3,000 slivers", slivers(3000, run.seed()), run.slow(500));
-  for (const uint64_t count : {1000, 30000}) {
+  std::vector<uint64_t> counts{1000, 30000};
+  if (run.tier() >= Tier::nightly) counts.push_back(1000000);
+  for (const uint64_t count : counts) {
     const Mesh mesh = slivers(count, run.seed());
     const TimedBuild built = timed_build(mesh, accel::Builder::automatic);
     Random random(run.seed());
@@ -218,7 +233,7 @@ void run_slivers(RowRun& run) {
 }
 
 void run_stack(RowRun& run) {
-  const Tally tally = run.sample(run.slow(3000), 8, watch_stack);
+  const Tally tally = run.sample(run.slow(5000), 8, watch_stack);
   run.none("walks with more on the stack than 7 depth + 1", tally.count[0], 4 * tally.cases, "walks");
   run.at_most("most on the stack", tally.most[0], "entries", accel::stack_entries);
   run.at_most("deepest tree", tally.most[1], "nodes", accel::max_depth);

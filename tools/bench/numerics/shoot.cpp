@@ -52,7 +52,7 @@ Ray ray_between(const Point& origin, const Point& target) {
           accel::Box::infinity};
 }
 
-Tally shoot(RowRun& run, const ClosedMesh& closed, Aim aim, uint64_t rays) {
+Tally shoot(RowRun& run, const ClosedMesh& closed, Aim aim, Cases rays) {
   const auto tracer = run.subject.tracer({closed.mesh});
   return run.sample(rays, 512, [&](Random& random, Tally& tally) {
     const Viewpoint& view = closed.viewpoints[random.below(static_cast<uint32_t>(closed.viewpoints.size()))];
@@ -72,7 +72,7 @@ Tally shoot(RowRun& run, const ClosedMesh& closed, Aim aim, uint64_t rays) {
   });
 }
 
-void compare_with_brute_force(RowRun& run, const ClosedMesh& closed, uint64_t rays, Tally& total) {
+void compare_with_brute_force(RowRun& run, const ClosedMesh& closed, Cases rays, Tally& total) {
   const auto tracer = run.subject.tracer({closed.mesh});
   total.merge(run.sample(rays, 32, [&](Random& random, Tally& tally) {
     const Point& to = closed.mesh.vertices[random.below(static_cast<uint32_t>(closed.mesh.vertices.size()))];

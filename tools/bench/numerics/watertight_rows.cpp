@@ -9,16 +9,16 @@ namespace rayloom::bench::numerics {
 namespace {
 
 int largest_level(Tier tier) {
-  constexpr int levels[] = {3, 5, 7, 8};
+  constexpr int levels[] = {3, 5, 7, 9};
   return levels[static_cast<size_t>(tier)];
 }
 
-void shoot_all(RowRun& run, const std::vector<ClosedMesh>& meshes, Aim aim, uint64_t rays, Tally& total) {
-  for (const ClosedMesh& mesh : meshes) total.merge(shoot(run, mesh, aim, rays / meshes.size() + 1));
+void shoot_all(RowRun& run, const std::vector<ClosedMesh>& meshes, Aim aim, Cases rays, Tally& total) {
+  for (const ClosedMesh& mesh : meshes) total.merge(shoot(run, mesh, aim, rays / meshes.size()));
 }
 
 /// Triangles of a random closed mesh against the rationals, by rays aimed at what they share.
-void compare_with_rationals(RowRun& run, const std::vector<ClosedMesh>& meshes, Aim aim, uint64_t rays) {
+void compare_with_rationals(RowRun& run, const std::vector<ClosedMesh>& meshes, Aim aim, Cases rays) {
   const Tally tally = run.sample(rays, 16, [&](Random& random, Tally& t) {
     const Mesh& mesh = meshes[random.below(static_cast<uint32_t>(meshes.size()))].mesh;
     const auto& [a, b, c] = mesh.triangles[random.below(static_cast<uint32_t>(mesh.triangles.size()))];
@@ -56,9 +56,9 @@ std::vector<Placement> scales(Tier tier) {
 
 /// Shoots at all meshes in all placements; names the placements that failed.
 Tally shoot_placements(RowRun& run, const std::vector<ClosedMesh>& meshes, const std::vector<Placement>& placements,
-                       uint64_t rays) {
+                       Cases rays) {
   Tally total;
-  const uint64_t each = rays / (placements.size() * meshes.size() * 2) + 1;
+  const Cases each = rays / (placements.size() * meshes.size() * 2);
   for (const Placement& placement : placements) {
     Tally here;
     for (const ClosedMesh& mesh : meshes) {
@@ -87,7 +87,7 @@ Ray grid_ray(Random& random, uint32_t size) {
   return {{axis ? x : x - 2 * dx, axis ? y : y - 2 * dy, 2}, 0, {axis ? 0 : dx, axis ? 0 : dy, -1}, INFINITY};
 }
 
-void shoot_grid(RowRun& run, uint64_t rays) {
+void shoot_grid(RowRun& run, Cases rays) {
   constexpr uint32_t size = 24;
   const Mesh mesh = accel::test::grid(size, 0);
   const auto tracer = run.subject.tracer({mesh});
@@ -99,7 +99,7 @@ void shoot_grid(RowRun& run, uint64_t rays) {
 }
 
 /// The exact rule itself, in rationals, over all triangles of a grid: exactly one, and the one the subject reports.
-void sum_rationals_over_grid(RowRun& run, uint64_t rays) {
+void sum_rationals_over_grid(RowRun& run, Cases rays) {
   constexpr uint32_t size = 10;
   const Mesh mesh = accel::test::grid(size, 0);
   const auto tracer = run.subject.tracer({mesh});
@@ -123,7 +123,7 @@ void sum_rationals_over_grid(RowRun& run, uint64_t rays) {
 
 void run_edges(RowRun& run) {
   Tally total;
-  const uint64_t rays = run.rays(1500000);
+  const Cases rays = run.rays(10000000);
   std::vector<ClosedMesh> meshes = closed_meshes(3);
   shoot_all(run, meshes, Aim::edge, rays / 2, total);
   for (int level = 4; level <= largest_level(run.tier()); ++level) {
@@ -131,18 +131,18 @@ void run_edges(RowRun& run) {
     total.merge(shoot(run, sphere.look_from({0.1f, -0.2f, 0.3f}), Aim::edge, rays / 6));
   }
   judge_shots(run, total, "");
-  compare_with_rationals(run, meshes, Aim::edge, run.slow(30000));
+  compare_with_rationals(run, meshes, Aim::edge, run.slow(100000));
 }
 
 void run_vertices(RowRun& run) {
   Tally total, fans;
   const std::vector<ClosedMesh> meshes = closed_meshes(3), fan = fan_meshes();
-  shoot_all(run, meshes, Aim::vertex, run.rays(200000), total);
+  shoot_all(run, meshes, Aim::vertex, run.rays(1000000), total);
   shoot_all(run, fan, Aim::vertex, run.rays(200000), fans);
   judge_shots(run, total, "");
   judge_shots(run, fans, "fans and poles");
-  compare_with_rationals(run, meshes, Aim::vertex, run.slow(15000));
-  compare_with_rationals(run, fan, Aim::vertex, run.slow(15000));
+  compare_with_rationals(run, meshes, Aim::vertex, run.slow(50000));
+  compare_with_rationals(run, fan, Aim::vertex, run.slow(50000));
 }
 
 void run_exactly_one(RowRun& run) {
@@ -150,15 +150,15 @@ void run_exactly_one(RowRun& run) {
   std::vector<ClosedMesh> convex = closed_meshes(3);
   std::erase_if(convex, [](const ClosedMesh& mesh) { return !mesh.convex; });
   for (ClosedMesh& mesh : convex) std::erase_if(mesh.viewpoints, [](const Viewpoint& v) { return !v.inside; });
-  for (const Aim aim : {Aim::edge, Aim::vertex}) shoot_all(run, convex, aim, run.rays(400000), total);
+  for (const Aim aim : {Aim::edge, Aim::vertex}) shoot_all(run, convex, aim, run.rays(1500000), total);
   run.none("not exactly one, convex meshes", total.count[not_one], total.cases);
-  shoot_grid(run, run.rays(200000));
-  sum_rationals_over_grid(run, run.slow(500));
+  shoot_grid(run, run.rays(1000000));
+  sum_rationals_over_grid(run, run.slow(1000));
 }
 
 void run_scales(RowRun& run) {
   const std::vector<ClosedMesh> meshes = closed_meshes(2);
-  judge_shots(run, shoot_placements(run, meshes, scales(run.tier()), run.rays(400000)),
+  judge_shots(run, shoot_placements(run, meshes, scales(run.tier()), run.rays(1000000)),
               "2^-100 to 2^100, 1e-30 to 1e30");
   Tally mixed;
   const ClosedMesh closed = closed_mixed_scales();
@@ -171,11 +171,11 @@ void run_far_from_origin(RowRun& run) {
   std::vector<Placement> places;
   float offset = 1;
   for (int k = 0; k <= 7; ++k, offset *= 10) places.push_back({fmt::format("10^{}", k), 1, offset});
-  judge_shots(run, shoot_placements(run, meshes, places, run.rays(800000)), "offsets 1 to 1e7");
+  judge_shots(run, shoot_placements(run, meshes, places, run.rays(2000000)), "offsets 1 to 1e7");
   Tally random_rays, brute;
   for (const Placement& place : places) {
     const ClosedMesh far = placed(meshes[0], 1, place.offset);
-    random_rays.merge(shoot(run, far, Aim::anywhere, run.rays(5000)));
+    random_rays.merge(shoot(run, far, Aim::anywhere, run.rays(100000)));
     compare_with_brute_force(run, far, run.slow(500), brute);
   }
   judge_shots(run, random_rays, "random rays");
