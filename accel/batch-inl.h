@@ -13,7 +13,7 @@
 #include <rayloom/accel/interleave-inl.h>
 #include <rayloom/accel/ray_run.h>
 #ifdef HWY_TARGET_INCLUDE
-#include <rayloom/accel/packet-inl.h>
+#include <rayloom/accel/packet_instances-inl.h>
 #endif
 
 #include <vector>
@@ -73,17 +73,18 @@ inline void trace_apart(AddressSpace addresses, const RayRun& rays, Hit* hits) {
 
 #ifdef HWY_TARGET_INCLUDE
 /// Groups of rays that go together as packets, the others apart; those of short runs are brought together so that they
-/// have company.
+/// have company. Packets: TrianglePackets or InstancePackets.
+template <class Packets>
 class PacketBatch {
  public:
   PacketBatch(AddressSpace addresses, const RayRun& rays, Hit* hits)
-      : addresses_(addresses), rays_(rays), hits_(hits), task_(rays) {}
+      : addresses_(addresses), rays_(rays), hits_(hits), packets_(addresses, rays) {}
 
   /// Returns the number of rays traced in packets.
   size_t run() {
     size_t begin = 0;  // of a run of groups that are no packets
     for (size_t i = 0; i + packet_size <= rays_.count; i += packet_size) {
-      const uint32_t left = task_.trace(i, &hits_[i]);
+      const uint32_t left = packets_.trace(i, &hits_[i]);
       if (left == all_rays) continue;
       trace_others(begin, i);
       begin = i + packet_size;
@@ -125,14 +126,21 @@ class PacketBatch {
   size_t apart_ = 0;
   std::vector<Ray> strays_;
   std::vector<Hit*> stray_hits_;
-  PacketTask task_;
+  Packets packets_;
 };
+
+/// Returns the number of rays traced in packets, at least packet_size of which are given.
+inline size_t trace_in_packets(AddressSpace addresses, const RayRun& rays, Hit* hits) {
+  if (header_of(rays.shared->structure).kind == StructureKind::instances)
+    return PacketBatch<InstancePackets>(addresses, rays, hits).run();
+  return PacketBatch<TrianglePackets>(addresses, rays, hits).run();
+}
 #endif
 
 inline void trace_closest(AddressSpace addresses, const RayRun& rays, Hit* hits) {
 #ifdef HWY_TARGET_INCLUDE
-  if (rays.count >= packet_size && header_of(rays.shared->structure).kind == StructureKind::triangles) {
-    PacketBatch(addresses, rays, hits).run();
+  if (rays.count >= packet_size) {
+    trace_in_packets(addresses, rays, hits);
     return;
   }
 #endif

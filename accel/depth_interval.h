@@ -20,7 +20,7 @@ struct DepthInterval {
     const float step = ray.direction[ray.axis[2]];
     sign = std::copysign(0.0f, step);
     length_ = std::fabs(step);
-    tiny_ = 0x1p-120f * (length_ + 1);
+    tiny_ = 0x1p-60f * (length_ + 1);
     const float near = ray.t_min * length_;
     outer_near = near * less - tiny_;
     inner_near = near * more + tiny_;
@@ -35,7 +35,8 @@ struct DepthInterval {
 
  private:
   static constexpr float more = 1 + 0x1p-20f, less = 1 - 0x1p-20f;
-  float length_, tiny_;  ///< the component's magnitude, and what covers a subnormal t
+  float length_;  ///< the component's magnitude
+  float tiny_;    ///< covers a subnormal t, and is so large that no product with an ordinary area is one
 };
 
 }  // namespace rayloom::accel

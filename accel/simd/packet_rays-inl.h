@@ -129,7 +129,7 @@ class PacketRays {
  public:
   /// Takes on the first of the `wanted` rays and those that go with it; returns them. 0: too few of them do, or they
   /// have extreme coordinates; nothing else may be asked then.
-  HWY_INLINE uint32_t load(const RayRun& rays, uint32_t wanted, const StructureHeader& header) {
+  HWY_INLINE uint32_t load(const RayRun& rays, uint32_t wanted, const StructureHeader& header, float pad_scale) {
     const auto leader = static_cast<uint32_t>(std::countr_zero(wanted));
     const Ray& first = rays[leader];
     load_rays(rays);
@@ -138,7 +138,7 @@ class PacketRays {
     const uint32_t taken = wanted & packet_bits(together);
     if (std::popcount(taken) < fewest || (taken >> leader & 1) == 0) return 0;
     if (taken != all_rays) repeat(first, packet_mask(taken));
-    if (!find_angles() || !prepare_boxes(first, header)) return 0;
+    if (!find_angles() || !prepare_boxes(first, header, pad_scale)) return 0;
     prepare_triangles(first);
     return taken;
   }
@@ -235,18 +235,20 @@ class PacketRays {
     return hn::AllTrue(d, narrow);
   }
 
-  HWY_INLINE bool prepare_boxes(const Ray& first, const StructureHeader& header) {
+  HWY_INLINE bool prepare_boxes(const Ray& first, const StructureHeader& header, float pad_scale) {
     const Axes d;
     const auto low = load_axes(header.bounds_min), high = load_axes(header.bounds_max);
     const auto from = load_axes(first.origin);
     const auto coordinates = hn::Max(hn::Abs(from), hn::Max(hn::Abs(low), hn::Abs(high)));
     const float largest = hn::GetLane(hn::MaxOfLanes(d, coordinates));
     if (!(largest >= smallest_scene && largest <= largest_scene)) return false;
-    const BoxScale scale = box_scale_of(least_dominant_, largest, 0, 1);
+    const auto reach = hn::Max(hn::Abs(hn::Sub(high, from)), hn::Abs(hn::Sub(low, from)));
+    const float farthest = pad_scale > 1 ? largest_lane(reach) : 0;
+    const BoxScale scale = box_scale_of(least_dominant_, largest, farthest, pad_scale);
+    if (!(scale.common_pad <= 0x1p-10f * largest)) return false;
     const auto direction_scale = static_cast<float>(scale.direction);
     box_scale_ = static_cast<float>(scale.time);
     depth_scale = most_dominant_ * direction_scale * (1 + 0x1p-18f);
-    const auto reach = hn::Max(hn::Abs(hn::Sub(high, from)), hn::Abs(hn::Sub(low, from)));
     const auto sizes = hn::Mul(hn::Add(reach, hn::Abs(from)), hn::Set(d, 0x1p-22f));
     const auto pad = hn::Mul(hn::Add(sizes, hn::Set(d, 2 * scale.common_pad)), hn::Set(d, 1 + 0x1p-20f));
     prepare_each(first, pad, direction_scale, scale.shortest);

@@ -90,7 +90,7 @@ void probe_boxes(const PacketRays& rays, const Node8& node, PacketVector t_far, 
 void probe(const PacketQuestion& question, PacketProbe& out) {
   const RayRun run{nullptr, question.rays, sizeof(Ray), packet_size};
   PacketRays rays;
-  out.taken = rays.load(run, all_rays, question.header);
+  out.taken = rays.load(run, all_rays, question.header, 1);
   if (out.taken == 0) return;
   out.axis = rays.middle.axis[2];
   const PacketVector t_far = hn::LoadU(PacketFloats(), question.t_far);

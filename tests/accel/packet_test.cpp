@@ -30,7 +30,7 @@ namespace HWY_NAMESPACE {
 #if HWY_TARGET == HWY_AVX2 || HWY_TARGET == HWY_AVX3
 
 size_t run_packets(const TraceRequest& shared, std::span<const Ray> rays, std::span<Hit> hits) {
-  return PacketBatch({}, {&shared, rays.data(), sizeof(Ray), rays.size()}, hits.data()).run();
+  return trace_in_packets({}, {&shared, rays.data(), sizeof(Ray), rays.size()}, hits.data());
 }
 
 PacketFunction packet_function() { return run_packets; }
@@ -285,6 +285,71 @@ TEST_CASE("groups that go together among rays that do not") {
   const Outcomes outcomes = compare(block, rays);
   CHECK(outcomes.in_packets > rays.size() / 4);
   CHECK(outcomes.in_packets < rays.size() * 19 / 20);
+}
+
+/// Turned about an axis that no coordinate axis is near, scaled and moved.
+Transform3x4 placed(float scale, const Point& at, float turn) {
+  const float c = std::cos(turn), s = std::sin(turn);
+  return {scale * c, -scale * s * 0.6f, scale * s * 0.8f, at[0], scale * s, scale * c * 0.6f, -scale * c * 0.8f, at[1],
+          0,         scale * 0.8f,      scale * 0.6f,     at[2]};
+}
+
+TEST_CASE("packets go through instances and find what single rays find") {
+  const Block sphere = build_mesh(bumpy_sphere(3)), ring = build_mesh(torus(40, 20, 0.3f));
+  Random random(6);
+  std::vector<InstanceDesc> instances = {instance_of(sphere), instance_of(ring)};
+  for (int i = 0; i < 24; ++i) {
+    const Point at = {random.uniform(-2, 2), random.uniform(-2, 2), random.uniform(-2, 1)};
+    instances.push_back(
+        instance_of(random.chance(2) ? sphere : ring, placed(random.uniform(0.1f, 0.6f), at, random.uniform(0, 6))));
+  }
+  instances.push_back(instance_of(sphere, {-0.5f, 0, 0, 1, 0, 0.5f, 0, 1, 0, 0, 0.5f, 1}));  // mirrored
+  const Block top = build_instances(instances);
+  const auto rays = camera({0.3f, 0.2f, 6}, {0, 0, 0}, 1.5f, 96);
+  for (const uint32_t flags : {ray_flag::none, ray_flag::cull_back_facing_triangles,
+                               ray_flag::cull_front_facing_triangles, ray_flag::cull_non_opaque}) {
+    const Outcomes outcomes = compare(top, rays, flags);
+    CHECK(outcomes.in_packets > rays.size() * 9 / 10);
+    CHECK(outcomes.hits > rays.size() / 10);
+  }
+}
+
+TEST_CASE("packets obey the masks and flags of instances, and the smallest name wins between equal ones") {
+  const Block sphere = build_mesh(bumpy_sphere(3));
+  std::vector<InstanceDesc> instances;
+  for (uint32_t i = 0; i < 6; ++i) {  // three pairs in one place
+    instances.push_back(instance_of(sphere, placed(0.4f, {static_cast<float>(i / 2) - 1.0f, 0, 0}, 0.7f)));
+    instances.back().instance_mask = i == 3 ? 0 : 0xFF;
+    if (i >= 4) instances.back().flags = instance_flag::triangle_front_counterclockwise;
+  }
+  instances[2].flags = instance_flag::triangle_cull_disable;
+  const Block top = build_instances(instances);
+  const auto rays = camera({0.1f, 0.3f, 5}, {0, 0, 0}, 1.4f, 96);
+  for (const uint32_t flags : {ray_flag::none, ray_flag::cull_back_facing_triangles,
+                               ray_flag::cull_front_facing_triangles | ray_flag::force_opaque}) {
+    const Outcomes outcomes = compare(top, rays, flags);
+    CHECK(outcomes.in_packets > rays.size() / 2);
+    CHECK(outcomes.hits > 0);
+  }
+}
+
+TEST_CASE("packets through instances at huge and tiny scales and far from the origin") {
+  const Block sphere = build_mesh(bumpy_sphere(3));
+  for (const float scale : {1e-6f, 1e-2f, 1e3f, 1e7f})
+    for (const float offset : {0.0f, 3.0f, 1e3f}) {
+      const Point at = {offset * scale, -offset * scale, offset * scale};
+      const Block top = build_instances({instance_of(sphere, placed(scale, at, 1.1f))});
+      const Point eye = {at[0] + 0.3f * scale, at[1] + 0.2f * scale, at[2] + 4 * scale};
+      CHECK(compare(top, camera(eye, at, 1.2f * scale, 32)).hits > 0);
+    }
+}
+
+TEST_CASE("packets meet instances of nothing, of boxes, and ill-conditioned ones") {
+  const Block sphere = build_mesh(bumpy_sphere(3)), empty = build_mesh(Mesh{});
+  const Transform3x4 flat = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1e-5f, 0};
+  const Transform3x4 sheared = {1, 1e4f, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};
+  const Block top = build_instances({instance_of(empty), instance_of(sphere, flat), instance_of(sphere, sheared)});
+  CHECK(compare(top, camera({0.3f, 0.2f, 4}, {0, 0, 0}, 1.2f, 48)).hits > 0);
 }
 
 TEST_CASE("packets that miss and a structure of one triangle") {

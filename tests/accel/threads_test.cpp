@@ -23,12 +23,16 @@ TEST_CASE("build and trace in parallel") {
   }
   const Block top = build_instances(descs);
   std::vector<Hit> hits(4000);
-  parallel_for(hits.size(), 50, [&](uint64_t begin, uint64_t end) {
-    for (uint64_t i = begin; i < end; ++i) {
-      const Point centre{3 * static_cast<float>(i % 70), 3 * static_cast<float>(i / 70), 0};
-      hits[i] = trace({}, request_for(top, ray_between(centre, {centre[0], centre[1], 5})));
-    }
-  });
+  const auto trace_all = [&] {
+    parallel_for(hits.size(), 50, [&](uint64_t begin, uint64_t end) {
+      for (uint64_t i = begin; i < end; ++i) {
+        const Point centre{3 * static_cast<float>(i % 70), 3 * static_cast<float>(i / 70), 0};
+        hits[i] = trace({}, request_for(top, ray_between(centre, {centre[0], centre[1], 5})));
+      }
+    });
+  };
+  trace_all();
+  for (int again = 0; threads_seen() == 1 && again < 50; ++again) trace_all();  // busy machine
   CHECK(threads_seen() > 1);
   size_t wrong = 0;
   for (size_t i = 0; i < hits.size(); ++i) wrong += hits[i].instance_index != i;

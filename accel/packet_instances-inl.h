@@ -1,0 +1,110 @@
+// Packets through top levels: at an instance the rays are taken to its space together and go on as packets there. Only
+// for targets with vectors; re-included once per target as traverse-inl.h is.
+
+// clang-format off: the guard flips for each target.
+#if defined(RAYLOOM_ACCEL_PACKET_INSTANCES_INL_H) == defined(HWY_TARGET_TOGGLE)
+#ifdef RAYLOOM_ACCEL_PACKET_INSTANCES_INL_H
+#undef RAYLOOM_ACCEL_PACKET_INSTANCES_INL_H
+#else
+#define RAYLOOM_ACCEL_PACKET_INSTANCES_INL_H
+#endif
+// clang-format on
+
+#include <rayloom/accel/instance_transform.h>
+#include <rayloom/accel/packet-inl.h>
+#include <rayloom/accel/visitor.h>
+
+#include <cstring>
+
+HWY_BEFORE_NAMESPACE();
+
+#if HWY_TARGET == HWY_AVX2 || HWY_TARGET == HWY_AVX3
+
+namespace rayloom::accel::HWY_NAMESPACE {
+
+/// TrianglePackets for a top level.
+class InstancePackets {
+ public:
+  InstancePackets(AddressSpace addresses, const RayRun& rays)
+      : addresses_(addresses),
+        run_(rays),
+        block_(rays.shared->structure),
+        bounds_(header_of(block_), header_of(block_).pad_scale),
+        triangles_(*rays.shared, results_) {}
+
+  uint32_t trace(size_t first, Hit* hits) {
+    group_ = run_.part(first, packet_size);
+    results_.start(group_);
+    uint32_t left = all_rays;
+    while (left != 0) {
+      const uint32_t taken = walk_.load(group_, left, block_, bounds_.pad_scale);
+      if (taken == 0) break;
+      walk_.run(header_of(block_).root, results_, *this);
+      left &= ~taken;
+    }
+    results_.write(all_rays & ~left, hits);
+    return left;
+  }
+
+  /// True: rays may have found something.
+  HWY_NOINLINE bool visit(const std::byte* address, uint32_t rays) {
+    const auto& instance = *reinterpret_cast<const InstanceRecord*>(address);
+    const std::byte* const block = addresses_.host(instance.bottom_level_address);
+    const StructureHeader& header = header_of(block);
+    if (!passes(instance, *run_.shared, header)) return false;
+    const InstanceRules rules = rules_of(instance, *run_.shared);
+    const uint32_t start = entry_of(instance, header);
+    const RayRun group = is_identity(instance) ? group_ : transformed(instance, rays);
+    uint32_t left = triangles_.trace(group, rays, block, start, rules);
+    for (; left != 0; left &= left - 1) {
+      const auto ray = static_cast<uint32_t>(std::countr_zero(left));
+      Search search(*run_.shared, group_[ray], results_.hit(ray));
+      Visitor none;
+      traverse_bottom(block, start, group[ray], rules, search, none);
+      results_.set(ray, search.hit());
+    }
+    return true;
+  }
+
+  HWY_NOINLINE void finish(uint32_t ref, uint32_t rays) {
+    for (; rays != 0; rays &= rays - 1) {
+      const auto ray = static_cast<uint32_t>(std::countr_zero(rays));
+      Search search(*run_.shared, group_[ray], results_.hit(ray));
+      Level level(block_, bounds_, group_[ray], search);
+      Visitor none;
+      traverse_subtree<Order::distance>(level, ref, InstanceLeaves{addresses_}, search, none);
+      results_.set(ray, search.hit());
+    }
+  }
+
+ private:
+  static bool is_identity(const InstanceRecord& instance) {
+    static constexpr float identity[3][4] = {{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}};
+    return std::memcmp(instance.object_to_world, identity, sizeof(identity)) == 0;
+  }
+
+  RayRun transformed(const InstanceRecord& instance, uint32_t rays) {
+    for (; rays != 0; rays &= rays - 1) {
+      const auto ray = static_cast<uint32_t>(std::countr_zero(rays));
+      object_rays_[ray] = object_ray(instance, group_[ray]);
+    }
+    return {run_.shared, object_rays_, sizeof(Ray), packet_size};
+  }
+
+  AddressSpace addresses_;
+  RayRun run_;
+  const std::byte* block_;
+  BoundsLanes bounds_;
+  PacketResults results_;
+  PacketTriangles triangles_;
+  RayRun group_;
+  PacketWalk walk_;
+  Ray object_rays_[packet_size] = {};
+};
+
+}  // namespace rayloom::accel::HWY_NAMESPACE
+#endif  // target
+
+HWY_AFTER_NAMESPACE();
+
+#endif  // once a target

@@ -1,0 +1,209 @@
+// What packets of coherent closest-hit rays share on their way through any structure: what they have found, what they
+// have still to visit, and the step through a node. Only for targets with vectors; re-included once per target as
+// traverse-inl.h is.
+
+// clang-format off: the guard flips for each target.
+#if defined(RAYLOOM_ACCEL_PACKET_WALK_INL_H) == defined(HWY_TARGET_TOGGLE)
+#ifdef RAYLOOM_ACCEL_PACKET_WALK_INL_H
+#undef RAYLOOM_ACCEL_PACKET_WALK_INL_H
+#else
+#define RAYLOOM_ACCEL_PACKET_WALK_INL_H
+#endif
+// clang-format on
+
+#include <rayloom/accel/simd/packet_triangle-inl.h>
+#include <rayloom/accel/traverse-inl.h>
+
+HWY_BEFORE_NAMESPACE();
+
+#if HWY_TARGET == HWY_AVX2 || HWY_TARGET == HWY_AVX3
+
+namespace rayloom::accel::HWY_NAMESPACE {
+
+/// The closest hits of a packet's rays so far. Rays without one have t = t_max and kind 0.
+class PacketResults {
+ public:
+  HWY_INLINE void start(const RayRun& rays) {
+    const PacketWords w;
+    for (size_t ray = 0; ray < packet_size; ++ray) t_[ray] = rays[ray].t_max;
+    for (uint32_t* words : {instance_, geometry_, primitive_, kind_}) hn::Store(hn::Zero(w), w, words);
+  }
+
+  HWY_INLINE PacketVector t() const { return hn::Load(PacketFloats(), t_); }
+
+  Hit hit(uint32_t ray) const {
+    if (kind_[ray] == 0) return {.t = t_[ray]};
+    return {t_[ray], u_[ray], v_[ray], instance_[ray], geometry_[ray], primitive_[ray], kind_[ray], HitType::triangle};
+  }
+  void write(uint32_t rays, Hit* hits) const {
+    for (; rays != 0; rays &= rays - 1) {
+      const auto ray = static_cast<uint32_t>(std::countr_zero(rays));
+      hits[ray] = hit(ray);
+    }
+  }
+  void set(uint32_t ray, const Hit& hit) {
+    t_[ray] = hit.t;
+    if (!hit) return;
+    u_[ray] = hit.u;
+    v_[ray] = hit.v;
+    instance_[ray] = hit.instance_index;
+    geometry_[ray] = hit.geometry_index;
+    primitive_[ray] = hit.primitive_index;
+    kind_[ray] = hit.hit_kind;
+  }
+
+  /// Commits the hits of the rays `offered` that come before what these have found, as Search::offer_triangle() would;
+  /// returns those rays. `front`: rays that meet the triangle's front.
+  HWY_INLINE uint32_t commit(const PacketHits& hits, uint32_t offered, uint32_t front, const HitName& name) {
+    const PacketFloats d;
+    const PacketVector t = this->t();
+    uint32_t nearer = offered & packet_bits(hn::Lt(hits.t, t));
+    const uint32_t equal = offered & packet_bits(hn::Eq(hits.t, t));
+    if (HWY_UNLIKELY(equal != 0)) nearer |= equal & tie_winners(name);
+    if (nearer == 0) return 0;
+    const PacketMask mask = packet_mask(nearer);
+    replace(t_, hits.t, mask);
+    replace(u_, hits.u, mask);
+    replace(v_, hits.v, mask);
+    const PacketWords w;
+    replace(instance_, hn::Set(w, name.instance), mask);
+    replace(geometry_, hn::Set(w, name.geometry), mask);
+    replace(primitive_, hn::Set(w, name.primitive), mask);
+    const auto fronts = hn::RebindMask(w, packet_mask(front));
+    replace(kind_,
+            hn::IfThenElse(fronts, hn::Set(w, hit_kind_triangle_front_face), hn::Set(w, hit_kind_triangle_back_face)),
+            mask);
+    return nearer;
+  }
+
+ private:
+  /// A masked store would make the next load wait until it is done.
+  template <class T, class V>
+  static HWY_INLINE void replace(T* values, V by, PacketMask mask) {
+    const hn::DFromV<V> d;
+    hn::Store(hn::IfThenElse(hn::RebindMask(d, mask), by, hn::Load(d, values)), d, values);
+  }
+
+  /// Rays that have a hit of a larger name.
+  uint32_t tie_winners(const HitName& name) const {
+    uint32_t winners = 0;
+    for (uint32_t ray = 0; ray < packet_size; ++ray) {
+      const bool smaller = name < HitName{instance_[ray], geometry_[ray], primitive_[ray]};
+      winners |= uint32_t{kind_[ray] != 0 && smaller} << ray;
+    }
+    return winners;
+  }
+
+  alignas(64) float t_[packet_size], u_[packet_size], v_[packet_size];
+  alignas(64) uint32_t instance_[packet_size], geometry_[packet_size], primitive_[packet_size], kind_[packet_size];
+};
+
+/// What a packet has still to visit, the nearest on top. The members of entries lie apart, since a load of several
+/// would wait for the stores of each.
+class PacketStack {
+ public:
+  struct Entry {
+    uint32_t ref, rays;
+    float near;
+  };
+  bool empty() const { return size_ == 0; }
+  uint32_t size() const { return size_; }
+  HWY_INLINE Entry pop() {
+    --size_;
+    return {refs_[size_], rays_[size_], nears_[size_]};
+  }
+  /// Above `base`, below the nearer ones.
+  HWY_INLINE void insert(uint32_t base, const Entry& entry) {
+    uint32_t i = size_++;
+    for (; i > base && nears_[i - 1] < entry.near; --i) {
+      refs_[i] = refs_[i - 1];
+      rays_[i] = rays_[i - 1];
+      nears_[i] = nears_[i - 1];
+    }
+    refs_[i] = entry.ref;
+    rays_[i] = entry.rays;
+    nears_[i] = entry.near;
+  }
+
+ private:
+  uint32_t size_ = 0;
+  uint32_t refs_[stack_entries], rays_[stack_entries];
+  float nears_[stack_entries];
+};
+
+/// A packet on its way through one structure.
+class PacketWalk {
+ public:
+  /// Takes on what goes together of the `wanted` rays of a group; returns those rays, 0 if too few do.
+  HWY_INLINE uint32_t load(const RayRun& group, uint32_t wanted, const std::byte* block, float pad_scale) {
+    block_ = block;
+    taken_ = rays_.load(group, wanted, header_of(block), pad_scale);
+    return taken_;
+  }
+
+  /// Visits leaves from `start` on, nearest first. `leaves.visit(address, rays)` tells whether some ray has found
+  /// something, `leaves.finish(ref, rays)` takes few rays through a subtree one by one.
+  template <class Leaves>
+  HWY_INLINE void run(uint32_t start, const PacketResults& results, Leaves& leaves) {
+    t_near_ = rays_.near_limit();
+    first_near_ = hn::Set(Floats(), hn::GetLane(hn::MinOfLanes(PacketFloats(), t_near_)));
+    shorten(results);
+    stack_.insert(0, {start, taken_, 0});
+    while (!stack_.empty()) {
+      const PacketStack::Entry entry = stack_.pop();
+      const uint32_t rays = entry.rays & packet_bits(hn::Le(splat(entry.near), t_far_));
+      if (rays == 0) continue;
+      if (node_ref::is_leaf(entry.ref)) {
+        if (leaves.visit(block_ + node_ref::offset(entry.ref), rays)) shorten(results);
+      } else if (std::popcount(rays) <= alone) {
+        leaves.finish(entry.ref, rays);
+        shorten(results);
+      } else {
+        visit_node(*reinterpret_cast<const Node8*>(block_ + node_ref::offset(entry.ref)), rays);
+      }
+    }
+  }
+
+  const std::byte* block() const { return block_; }
+  const PacketRays& rays() const { return rays_; }
+  FloatLanes deepest() const { return deepest_; }
+
+ private:
+  static constexpr int alone = 1;  ///< so few rays are traced ray by ray
+
+  HWY_INLINE void shorten(const PacketResults& results) {
+    t_far_ = rays_.far_limit(hn::IfThenElseZero(packet_mask(taken_), results.t()));
+    const float last = hn::GetLane(hn::MaxOfLanes(PacketFloats(), t_far_));
+    last_far_ = hn::Set(Floats(), last);
+    deepest_ = hn::Set(Floats(), last * rays_.depth_scale);
+  }
+
+  HWY_INLINE void visit_node(const Node8& node, uint32_t rays) {
+    const PacketBoxHits hits = test_boxes(rays_, node, first_near_, last_far_);
+    alignas(32) float near[8];
+    hn::Store(hits.entry, Floats(), near);
+    const uint32_t base = stack_.size();
+    for (uint32_t left = hits.mask; left != 0; left &= left - 1) {
+      const int lane = std::countr_zero(left);
+      const uint32_t inside = rays & test_child(rays_, node, lane, t_near_, t_far_);
+      if (inside == 0) continue;
+      if (node_ref::is_leaf(node.child[lane])) Prefetch{block_}(node.child[lane]);
+      stack_.insert(base, {node.child[lane], inside, near[lane]});
+    }
+  }
+
+  const std::byte* block_;
+  uint32_t taken_;
+  PacketRays rays_;
+  PacketVector t_near_, t_far_;       ///< limits of each ray, in box space
+  FloatLanes first_near_, last_far_;  ///< of all of them
+  FloatLanes deepest_;                ///< no hit in the interval has a larger depth along the dominant axis
+  PacketStack stack_;
+};
+
+}  // namespace rayloom::accel::HWY_NAMESPACE
+#endif  // target
+
+HWY_AFTER_NAMESPACE();
+
+#endif  // once a target
