@@ -49,10 +49,6 @@ struct alignas(64) Task {
   std::byte apart[832];  ///< keeps what tasks use at the same time out of the same cache sets, which repeat every 4 KiB
 
   void pop() { ref = stack.pop_ref(); }
-  void set_rules(const InstanceRules& to) {
-    rules = to;
-    accepts_all = to.accepts_all();
-  }
 
   /// False, and nothing has changed, if the ray misses everything.
   bool enter(uint32_t slot, const std::byte* block, const BoundsLanes& bounds, uint32_t start, const Ray& ray) {
@@ -88,7 +84,8 @@ class Interleaver {
   void run() {
     for (size_t i = 0; i < std::min(rays_.count, width); ++i) {
       tasks_[i].search = Search(*rays_.shared);
-      tasks_[i].set_rules(rules_);
+      tasks_[i].rules = rules_;
+      tasks_[i].accepts_all = rules_.accepts_all();
       if (start_next(tasks_[i])) set_ends(file(tasks_[i], ends()));
     }
     while (nodes_->count + leaves_->count + others_->count != 0) {
@@ -254,16 +251,20 @@ class Interleaver {
   /// To where an instance is entered, or past it.
   void enter_instance(Task& task) {
     const auto& instance = *reinterpret_cast<const InstanceRecord*>(address_of(task));
-    const TraceRequest& request = task.search.request();
+    const TraceRequest& request = *rays_.shared;
     const std::byte* const block = addresses_.host(instance.bottom_level_address);
     const StructureHeader& header = header_of(block);
-    if (!passes(instance, request, header) || !task.enter(1, block, BoundsLanes(header, 1), entry_of(instance, header),
-                                                          object_ray(instance, task.search.ray()))) {
-      task.level = &task.levels[0];
-      task.pop();
-    } else {
-      task.set_rules(rules_of(instance, request));
+    if (passes(instance, request, header)) {
+      Ray ray;
+      object_ray_lanes(instance, task.search.ray(), ray);
+      if (task.enter(1, block, BoundsLanes(header, 1), entry_of(instance, header), ray)) {
+        set_rules(task.rules, instance, request, rules_);
+        task.accepts_all = task.rules.accepts_all();
+        return;
+      }
     }
+    task.level = &task.levels[0];
+    task.pop();
   }
 
   void leave_instance(Task& task) {

@@ -52,7 +52,8 @@ class InstancePackets {
     const std::byte* const block = addresses_.host(instance.bottom_level_address);
     const StructureHeader& header = header_of(block);
     if (!passes(instance, *run_.shared, header)) return false;
-    const InstanceRules rules = rules_of(instance, *run_.shared);
+    InstanceRules rules;
+    set_rules(rules, instance, *run_.shared, plain_);
     const uint32_t start = entry_of(instance, header);
     const RayRun group = is_identity(instance) ? group_ : transformed(instance, rays);
     uint32_t left = triangles_.trace(group, rays, block, start, rules);
@@ -72,7 +73,7 @@ class InstancePackets {
       Search search(*run_.shared, group_[ray], results_.hit(ray));
       Level level(block_, bounds_, group_[ray], search);
       Visitor none;
-      traverse_subtree<Order::distance>(level, ref, InstanceLeaves{addresses_}, search, none);
+      traverse_subtree<Order::distance>(level, ref, InstanceLeaves{addresses_, plain_}, search, none);
       results_.set(ray, search.hit());
     }
   }
@@ -86,7 +87,7 @@ class InstancePackets {
   RayRun transformed(const InstanceRecord& instance, uint32_t rays) {
     for (; rays != 0; rays &= rays - 1) {
       const auto ray = static_cast<uint32_t>(std::countr_zero(rays));
-      object_rays_[ray] = object_ray(instance, group_[ray]);
+      object_ray_lanes(instance, group_[ray], object_rays_[ray]);
     }
     return {run_.shared, object_rays_, sizeof(Ray), packet_size};
   }
@@ -95,6 +96,7 @@ class InstancePackets {
   RayRun run_;
   const std::byte* block_;
   BoundsLanes bounds_;
+  InstanceRules plain_{0, 0, run_.shared->ray_flags, nullptr};
   PacketResults results_;
   PacketTriangles triangles_;
   RayRun group_;

@@ -240,9 +240,13 @@ inline uint32_t entry_of(const InstanceRecord& instance, const StructureHeader& 
   return instance.entry != 0 ? instance.entry : bottom_level.root;
 }
 
-inline InstanceRules rules_of(const InstanceRecord& instance, const TraceRequest& request) {
-  return InstanceRules(instance.instance_index, instance.contribution_and_flags >> 24, request.ray_flags,
-                       reinterpret_cast<const std::byte*>(&instance));
+/// Makes the rules in an instance. `plain`: those in one without flags. In place: a copy would wait for its parts.
+inline void set_rules(InstanceRules& rules, const InstanceRecord& instance, const TraceRequest& request,
+                      const InstanceRules& plain) {
+  const uint32_t flags = instance.contribution_and_flags >> 24;
+  rules = flags == 0 ? plain : InstanceRules(0, flags, request.ray_flags, nullptr);
+  rules.instance_index = instance.instance_index;
+  rules.instance = reinterpret_cast<const std::byte*>(&instance);
 }
 
 struct InstanceLeaves {
@@ -250,6 +254,7 @@ struct InstanceLeaves {
     explicit Lanes(const PreparedRay&) {}
   };
   AddressSpace addresses;
+  InstanceRules plain;  ///< of instances without flags
 
   template <class Visitor>
   Offer visit(const Level&, const Lanes&, const std::byte* address, Search& search, Visitor& visitor) const {
@@ -257,8 +262,10 @@ struct InstanceLeaves {
     const TraceRequest& request = search.request();
     const std::byte* block = addresses.host(instance->bottom_level_address);
     if (!passes(*instance, request, header_of(block))) return Offer::rejected;
-    const Ray ray = object_ray(*instance, search.ray());
-    const InstanceRules rules = rules_of(*instance, request);
+    Ray ray;
+    object_ray_lanes(*instance, search.ray(), ray);
+    InstanceRules rules;
+    set_rules(rules, *instance, request, plain);
     visitor.on_enter_instance(instance, ray);
     const bool ended = traverse_bottom(block, entry_of(*instance, header_of(block)), ray, rules, search, visitor);
     visitor.on_leave_instance(instance);
@@ -272,13 +279,13 @@ Hit traverse(AddressSpace addresses, const TraceRequest& request, Visitor& visit
   if (!request.structure) return search.hit();
   const StructureHeader& header = header_of(request.structure);
   if (header.root == no_index) return search.hit();
+  const InstanceRules rules(0, 0, request.ray_flags, nullptr);
   if (header.kind != StructureKind::instances) {
-    const InstanceRules rules(0, 0, request.ray_flags, nullptr);
     if (wants(request, header)) traverse_bottom(request.structure, header.root, request.ray, rules, search, visitor);
     return search.hit();
   }
   Level level(request.structure, request.ray, header.pad_scale, search);
-  if (level.ray.valid) traverse_ordered(level, header.root, InstanceLeaves{addresses}, search, visitor);
+  if (level.ray.valid) traverse_ordered(level, header.root, InstanceLeaves{addresses, rules}, search, visitor);
   return search.hit();
 }
 

@@ -3,6 +3,7 @@
 // The lane tests in plain C++: the oracle of lanes-inl.h, bit for bit, and the kernel of CPUs without AVX2.
 
 #include <rayloom/accel/depth_interval.h>
+#include <rayloom/accel/instance_transform.h>
 #include <rayloom/accel/layout.h>
 #include <rayloom/accel/prepared_ray.h>
 #include <rayloom/accel/simd/lane_masks.h>
@@ -22,6 +23,10 @@ struct BoundsLanes {
 
 inline void prepare_lanes(const Ray& ray, const BoundsLanes& bounds, PreparedRay& out) {
   out = prepare_ray(ray, bounds.header->bounds_min, bounds.header->bounds_max, bounds.pad_scale);
+}
+
+inline void object_ray_lanes(const InstanceRecord& instance, const Ray& ray, Ray& out) {
+  out = object_ray(instance, ray);
 }
 
 /// What box tests and triangle tests read of a ray. In the SIMD twin these are vectors, here the prepared ray serves as

@@ -117,6 +117,28 @@ HWY_INLINE void prepare_lanes(const Ray& ray, const BoundsLanes& bounds, Prepare
   hn::Store(hn::Add(hn::Load(u, rows), side), u, out.near_row);
 }
 
+/// See object_ray(). The two halves of the result are stored as vectors: loads of vectors need not wait for them.
+HWY_INLINE void object_ray_lanes(const InstanceRecord& instance, const Ray& ray, Ray& out) {
+  const Axes d;
+  const WideAxes w;
+  const auto x = hn::Load(w, instance.world_to_object[0]), y = hn::Load(w, instance.world_to_object[1]);
+  const auto z = hn::Load(w, instance.world_to_object[2]);
+  const auto even = hn::InterleaveLower(w, x, y), odd = hn::InterleaveUpper(w, x, y);
+  const auto even_z = hn::InterleaveLower(w, z, z), odd_z = hn::InterleaveUpper(w, z, z);
+  const auto column0 = hn::ConcatLowerLower(w, even_z, even), column1 = hn::ConcatLowerLower(w, odd_z, odd);
+  const auto column2 = hn::ConcatUpperUpper(w, even_z, even);
+  const auto transform = [&](double a, double b, double c) HWY_ATTR {
+    const auto sum = hn::Add(hn::Mul(column0, hn::Set(w, a)), hn::Mul(column1, hn::Set(w, b)));
+    return hn::DemoteTo(d, hn::Add(sum, hn::Mul(column2, hn::Set(w, c))));
+  };
+  const auto from = [&](int k) { return double{ray.origin[k]} - double{instance.object_to_world[k][3]}; };
+  const auto three = hn::FirstN(d, 3);
+  const auto origin = transform(from(0), from(1), from(2));
+  const auto direction = transform(double{ray.direction[0]}, double{ray.direction[1]}, double{ray.direction[2]});
+  hn::StoreU(hn::IfThenElse(three, origin, hn::LoadU(d, ray.origin)), d, out.origin);
+  hn::StoreU(hn::IfThenElse(three, direction, hn::LoadU(d, ray.direction)), d, out.direction);
+}
+
 #endif  // HWY_TARGET
 
 }  // namespace HWY_NAMESPACE

@@ -24,6 +24,7 @@ struct LaneFunctions {
   uint32_t (*boxes)(const PreparedRay&, const ProceduralLeaf8&, float t_near, float t_far);
   LeafMasks (*triangles)(const PreparedRay&, const TriangleLeaf&, float t_far);
   void (*prepare)(const Ray&, const StructureHeader&, float pad_scale, PreparedRay&);
+  void (*object_ray)(const InstanceRecord&, const Ray&, Ray&);
   void (*push)(const PreparedRay&, const Node8&, float t_near, float t_far, bool by_distance, TraversalStack&);
   void (*drop)(TraversalStack&, uint32_t base, float t_far);
 };
@@ -58,6 +59,8 @@ void run_prepare(const Ray& ray, const StructureHeader& header, float pad_scale,
   prepare_lanes(ray, BoundsLanes(header, pad_scale), out);
 }
 
+void run_object_ray(const InstanceRecord& instance, const Ray& ray, Ray& out) { object_ray_lanes(instance, ray, out); }
+
 void run_push(const PreparedRay& ray, const Node8& node, float t_near, float t_far, bool by_distance,
               TraversalStack& stack) {
   const NodeHits hits = test_node(BoxLanes(ray), node, t_near, t_far);
@@ -66,7 +69,9 @@ void run_push(const PreparedRay& ray, const Node8& node, float t_near, float t_f
 
 void run_drop(TraversalStack& stack, uint32_t base, float t_far) { drop_farther(stack, base, t_far); }
 
-LaneFunctions lane_functions() { return {run_node, run_boxes, run_triangles, run_prepare, run_push, run_drop}; }
+LaneFunctions lane_functions() {
+  return {run_node, run_boxes, run_triangles, run_prepare, run_object_ray, run_push, run_drop};
+}
 
 #endif
 
@@ -152,6 +157,26 @@ TEST_CASE("rays are prepared with the same bits on every target", "[unit]") {
       }
       INFO(target.name << ", case " << i);
       REQUIRE(std::memcmp(&expected, &found, bytes_before_valid(found)) == 0);
+    }
+  }
+}
+
+TEST_CASE("rays are taken to object space with the same bits on every target", "[unit]") {
+  for (const Target& target : supported_targets()) {
+    Random random(28);
+    for (int i = 0; i < 100000; ++i) {
+      const uint32_t style = random.below(4);
+      InstanceRecord instance{};
+      for (int row = 0; row < 3; ++row)
+        for (int column = 0; column < 4; ++column) {
+          instance.world_to_object[row][column] = double{test::any_coordinate(random, style)} / 3;
+          instance.object_to_world[row][column] = test::any_coordinate(random, style);
+        }
+      const Ray ray = test::any_ray(random, style), expected = object_ray(instance, ray);
+      Ray found{};
+      target.functions.object_ray(instance, ray, found);
+      INFO(target.name << ", case " << i);
+      REQUIRE(std::memcmp(&expected, &found, sizeof(Ray)) == 0);
     }
   }
 }
