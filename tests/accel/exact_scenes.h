@@ -160,6 +160,15 @@ inline Transform3x4 hard_transform(Random& random) {
   return m;
 }
 
+/// The same scene `factor` times as large, a power of two.
+inline ExactScene scaled(ExactScene scene, float factor) {
+  for (Mesh& mesh : scene.geometries) mesh = moved(mesh, factor, 0);
+  for (Transform3x4& m : scene.instances)
+    for (int row = 0; row < 3; ++row) m[4 * row + 3] *= factor;
+  scene.reach *= factor;
+  return scene;
+}
+
 using SceneMaker = ExactScene (*)(Random&);
 
 inline ExactScene unit_lattice(Random& random) { return lattice(random, 1); }
@@ -216,7 +225,7 @@ inline Ray hard_ray(Random& random, const ExactScene& scene) {
   } else if (random.chance(2)) {
     for (float& x : ray.direction) x = random.nudged(x, 3);
   }
-  const float length = random.chance(4) ? std::ldexp(1.0f, static_cast<int>(random.below(40)) - 20) : 1;
+  const float length = random.chance(4) ? std::ldexp(1.0f, static_cast<int>(random.below(48)) - 24) : 1;
   for (float& x : ray.direction) x *= length;
   return ray;
 }

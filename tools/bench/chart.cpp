@@ -90,7 +90,7 @@ std::string decades(const char* axis, Range range) {
 
 std::string axis_commands(const char* axis, const Axis& description, Range data) {
   Range range = widened(data, description.logarithmic);
-  if (description.from_zero && !description.logarithmic) range.low = std::min(0.0, data.low);
+  if (description.from_zero && !description.logarithmic) range = {0, 1.05 * data.high};
   std::string text =
       fmt::format("set {0}label {1}\nset {0}range [{2}:{3}]\n", axis, quoted(description.label), range.low, range.high);
   if (description.logarithmic) text += fmt::format("set logscale {} 10\n", axis) + decades(axis, range);

@@ -27,7 +27,7 @@ constexpr const char* examples =
 
 struct NumericsOptions {
   BenchOptions bench;
-  std::string tier = "ci", tested = "product", rows, record;
+  std::string tier = "ci", tested = "product", rows, record, mesh;
   uint64_t seed = 1, threads = 0;
   bool pareto = false;
 };
@@ -144,7 +144,8 @@ int run_pareto(const NumericsOptions& options, const tools::CommonOptions& commo
   BenchReport report("numerics", "Run time against error");
   ParetoOptions pareto;
   pareto.seed = options.seed;
-  if (parse_tier(options.tier) == Tier::quick) pareto = {20000, 5000, 500, 3, options.seed};
+  if (parse_tier(options.tier) == Tier::quick) pareto = {20000, 5000, 500, 3, options.seed, {}};
+  pareto.mesh = options.mesh;
   add_pareto(report, pareto);
   return finish_bench(report, options.bench, common);
 }
@@ -206,6 +207,7 @@ void add_bench_numerics(CLI::App& bench, tools::CommonOptions& common, tools::Ac
                   "product, or plain: a float tracer that the rows must find at fault (see --check)")
       ->type_name("NAME");
   sub->add_flag("--pareto", options->pareto, "Run time against error instead, ours and Embree's");
+  sub->add_option("--mesh", options->mesh, "With --pareto: only this mesh (sphere, torus ...)")->type_name("NAME");
   sub->add_option("--record", options->record, "Append every failing ray to this file")->type_name("FILE");
   tools::add_count(*sub, "--seed", options->seed, 0, UINT64_MAX, "Of all random numbers");
   tools::add_count(*sub, "--threads", options->threads, 0, 1024, "Threads, 0 for one a core");

@@ -13,6 +13,7 @@ struct ParetoOptions {
   uint64_t exact_rays = 20000;   ///< a scene, whose t is compared with rationals
   uint64_t repetitions = 7;
   uint64_t seed = 1;
+  std::string mesh;  ///< only this one; empty: all
 };
 
 /// Measures ours (one ray at a time, batches) and, where it is installed, Embree (fast, robust, compact) on closed
