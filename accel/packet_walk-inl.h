@@ -187,7 +187,7 @@ class PacketWalk {
       const int lane = std::countr_zero(left);
       const uint32_t inside = rays & test_child(rays_, node, lane, t_near_, t_far_);
       if (inside == 0) continue;
-      if (node_ref::is_leaf(node.child[lane])) Prefetch{block_}(node.child[lane]);
+      Prefetch{block_}(node.child[lane]);
       stack_.insert(base, {node.child[lane], inside, near[lane]});
     }
   }
