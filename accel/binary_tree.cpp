@@ -11,16 +11,9 @@ namespace {
 
 class BinaryBuilder {
  public:
-  BinaryBuilder(std::span<PrimitiveRef> refs, const BinaryBuildOptions& options)
-      : refs_(refs), scratch_(refs.size()), leaf_size_(options.leaf_size), tree_(2 * options.leaf_budget - 1) {
-    assert(options.leaf_budget >= blocks_for(refs.size(), leaf_size_));
-    const auto count = static_cast<uint32_t>(refs.size());
-    build({0, 0, count, static_cast<uint32_t>(options.leaf_budget), 0});
-  }
+  BinaryBuilder(std::span<PrimitiveRef> refs, std::span<PrimitiveRef> scratch, uint32_t leaf_size, BinaryTree& tree)
+      : refs_(refs), scratch_(scratch), leaf_size_(leaf_size), tree_(tree) {}
 
-  BinaryTree take() { return std::move(tree_); }
-
- private:
   void build(const Subtree& subtree) {
     const auto refs = refs_.subspan(subtree.first, subtree.count);
     const RangeBounds bounds = bounds_of(refs);
@@ -33,24 +26,36 @@ class BinaryBuilder {
     build_halves(left, right, [this](const Subtree& half) { build(half); });
   }
 
+ private:
   size_t partition(const Subtree& subtree, const Box& centres) {
     const auto refs = refs_.subspan(subtree.first, subtree.count);
     if (subtree.depth < max_choice_depth)
       if (const auto split = find_binned_split(refs, centres, leaf_size_, subtree.budget))
-        return partition_by_split(refs, std::span(scratch_).subspan(subtree.first, subtree.count), *split);
+        return partition_by_split(refs, scratch_.subspan(subtree.first, subtree.count), *split);
     return partition_by_median(refs, centres, leaf_size_);
   }
 
   std::span<PrimitiveRef> refs_;
-  PrimitiveRefs scratch_;
+  std::span<PrimitiveRef> scratch_;
   uint32_t leaf_size_;
-  BinaryTree tree_;
+  BinaryTree& tree_;
 };
 
 }  // namespace
 
+void build_binary_subtree(std::span<PrimitiveRef> refs, std::span<PrimitiveRef> scratch, uint32_t leaf_size,
+                          const Subtree& subtree, BinaryTree& tree) {
+  BinaryBuilder(refs, scratch, leaf_size, tree).build(subtree);
+}
+
 BinaryTree build_binary_tree(std::span<PrimitiveRef> refs, const BinaryBuildOptions& options) {
-  return BinaryBuilder(refs, options).take();
+  assert(options.leaf_budget >= blocks_for(refs.size(), options.leaf_size));
+  PrimitiveRefs scratch(refs.size());
+  BinaryTree tree(2 * options.leaf_budget - 1);
+  const auto count = static_cast<uint32_t>(refs.size());
+  build_binary_subtree(refs, scratch, options.leaf_size, {0, 0, count, static_cast<uint32_t>(options.leaf_budget), 0},
+                       tree);
+  return tree;
 }
 
 }  // namespace rayloom::accel

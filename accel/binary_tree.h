@@ -30,4 +30,9 @@ struct BinaryBuildOptions {
 /// range, never on their order, hence the result not on the number of threads.
 BinaryTree build_binary_tree(std::span<PrimitiveRef> refs, const BinaryBuildOptions& options);
 
+struct Subtree;
+/// The same for one subtree of a tree over `refs`. `scratch` is as long as `refs`.
+void build_binary_subtree(std::span<PrimitiveRef> refs, std::span<PrimitiveRef> scratch, uint32_t leaf_size,
+                          const Subtree& subtree, BinaryTree& tree);
+
 }  // namespace rayloom::accel

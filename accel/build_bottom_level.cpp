@@ -5,6 +5,7 @@
 #include <rayloom/accel/procedural_input.h>
 #include <rayloom/accel/ray.h>
 #include <rayloom/accel/sizes.h>
+#include <rayloom/accel/structure_in_parts.h>
 #include <rayloom/accel/tree_builder.h>
 #include <rayloom/accel/triangle_input.h>
 #include <rayloom/base/float_environment.h>
@@ -79,12 +80,8 @@ void write_leaves_and_nodes(std::span<const TriangleGeometry> geometries, const 
   const bool updatable = input.build_flags & build_flag::allow_update;
   const TriangleLeafWriter writer{geometries, updatable ? LeafForm::full : LeafForm::table,
                                   input.builder == Builder::spatial_splits};
-  constexpr uint64_t overread = TriangleLeaf::overread_bytes;
-  if (updatable)
-    return write_structure(built, equal_sizes(built, sizeof(PlainTriangleLeaf)), overread, header, block,
-                           [&](uint32_t slot, std::byte* address) { writer.write(refs_of(built, slot), address); });
   const EncodedLeaves leaves(built.tree, built.refs, writer);
-  write_structure(built, leaves.sizes(), overread, header, block,
+  write_structure(built, leaves.sizes(), TriangleLeaf::overread_bytes, header, block,
                   [&](uint32_t slot, std::byte* address) { leaves.write(slot, address); });
 }
 
@@ -108,6 +105,16 @@ uint64_t build(std::span<const Geometry> geometries, PrimitiveRefs refs, const B
   return header.bytes;
 }
 
+uint64_t build_in_parts(std::span<const TriangleGeometry> geometries, const BuildSettings& settings,
+                        std::span<std::byte> result) {
+  StructureHeader header = header_for(StructureKind::triangles, settings, geometries);
+  TreeInput input = tree_input(header.kind, header.primitive_count, settings);
+  input.triangles = geometries;
+  build_in_parts(input, header, result.data());
+  std::memcpy(result.data(), &header, sizeof(header));
+  return header.bytes;
+}
+
 }  // namespace
 
 uint64_t build_bottom_level(std::span<const TriangleGeometry> geometries, const BuildSettings& settings,
@@ -115,6 +122,8 @@ uint64_t build_bottom_level(std::span<const TriangleGeometry> geometries, const 
   const FloatEnvironment environment;
   check_result(result, bottom_level_sizes(geometries, settings).result_bytes);
   check_geometries(geometries);
+  if (builds_in_parts(chosen_builder(StructureKind::triangles, settings)))
+    return build_in_parts(geometries, settings, result);
   return build(geometries, triangle_refs(geometries, settings.flags & build_flag::allow_update), settings,
                header_for(StructureKind::triangles, settings, geometries), result.data());
 }

@@ -26,6 +26,8 @@ class Collapse {
   /// any-hit rays visit them from the last to the first. A child is never left standing that would fit into its
   /// parent; node_bound() in sizes.h counts on that.
   ChildList children(uint32_t slot) const;
+  /// The children as planned, from left to right; some may fit into their parent where choices were equal.
+  ChildList planned(uint32_t slot) const;
 
  private:
   /// For a subtree that may fill up to j slots of its parent, j = 1..7: the least summed area of wide nodes, and how
@@ -43,7 +45,6 @@ class Collapse {
   void solve(uint32_t slot);
   static Share best_share(const Plan& left, const Plan& right, uint32_t slots);
   void place(uint32_t slot, uint32_t slots, ChildList& list) const;
-  ChildList planned(uint32_t slot) const;
   void absorb(ChildList& list) const;
 
   const BinaryTree& tree_;

@@ -51,6 +51,12 @@ inline Box4 box4(const PrimitiveRef& ref) {
 inline Box4 box4(const Box& box) {
   return {Float4{box.min[0], box.min[1], box.min[2], 0}, Float4{box.max[0], box.max[1], box.max[2], 0}};
 }
+/// Stores a box in a reference, whose names are to be set afterwards.
+inline void store(const Box4& box, PrimitiveRef& ref) {
+  auto* const bytes = reinterpret_cast<std::byte*>(&ref);
+  std::memcpy(bytes, &box.min, sizeof(box.min));
+  std::memcpy(bytes + offsetof(PrimitiveRef, max), &box.max, sizeof(box.max));
+}
 /// As PrimitiveRef::centre.
 inline Float4 centre4(const Box4& box) { return splat(0.5f) * box.min + splat(0.5f) * box.max; }
 

@@ -16,40 +16,32 @@ uint64_t spread(uint64_t x) {
   return (x | x << 2) & 0x1249249249249249u;
 }
 
-/// The same for 11 bits.
-uint32_t spread11(uint32_t x) {
-  x = (x | x << 16) & 0x070000FFu;
-  x = (x | x << 8) & 0x0700F00Fu;
-  x = (x | x << 4) & 0x430C30C3u;
-  return (x | x << 2) & 0x49249249u;
-}
-
 struct Run {
   size_t begin, count;
 };
 
-/// The runs of several keys of one code that begin in [begin, end).
-std::vector<Run> runs_of(std::span<const MortonKey> keys, size_t begin, size_t end) {
+/// The runs of more than `longest` keys of one code that begin in [begin, end).
+std::vector<Run> runs_of(std::span<const MortonKey> keys, size_t begin, size_t end, size_t longest) {
   std::vector<Run> runs;
   while (begin < end && begin > 0 && keys[begin].code == keys[begin - 1].code) ++begin;
   while (begin < end) {
     size_t last = begin + 1;
     while (last < keys.size() && keys[last].code == keys[begin].code) ++last;
-    if (last - begin > 1) runs.push_back({begin, last - begin});
+    if (last - begin > longest) runs.push_back({begin, last - begin});
     begin = last;
   }
   return runs;
 }
 
 /// Sorts keys of one upper code by the lower 31 bits, in place of the upper ones while it lasts.
-void sort_run(std::span<MortonKey> run, const MortonCurve& curve, std::span<const PrimitiveRef> refs) {
+void sort_run(std::span<MortonKey> run, const KeyDetails& details) {
   const uint32_t upper = run[0].code;
   for_each_chunk(run.size(), [&](size_t, size_t begin, size_t end) {
     for (MortonKey& key : run.subspan(begin, end - begin))
-      key.code = static_cast<uint32_t>(curve.code(refs[key.index])) & 0x7FFFFFFFu;
+      key.code = static_cast<uint32_t>(details.code(key.index)) & 0x7FFFFFFFu;
   });
   const auto less = [&](const MortonKey& a, const MortonKey& b) {
-    return a.code != b.code ? a.code < b.code : name_less(refs[a.index], refs[b.index]);
+    return a.code != b.code ? a.code < b.code : details.name(a.index) < details.name(b.index);
   };
   if (run.size() > chunk_size) radix_sort(run);
   if (!std::is_sorted(run.begin(), run.end(), less)) std::sort(run.begin(), run.end(), less);
@@ -60,19 +52,25 @@ void sort_run(std::span<MortonKey> run, const MortonCurve& curve, std::span<cons
 
 uint64_t morton_code(uint32_t x, uint32_t y, uint32_t z) { return spread(x) << 2 | spread(y) << 1 | spread(z); }
 
-MortonCurve::MortonCurve(const Box& centres) {
-  const double extent = std::max({centres.extent(0), centres.extent(1), centres.extent(2)});
-  scale_ = extent > 0 ? (1 - 0x1p-30) * (1 << axis_bits) / extent : 0;
-  for (int k = 0; k < 3; ++k) low_[k] = double{centres.min[k]};
+MortonCurve::MortonCurve(const Box& centres)
+    : low_{}, upper_scale_{}, extent_(std::max({centres.extent(0), centres.extent(1), centres.extent(2)})) {
+  scale_ = extent_ > 0 ? (1 - 0x1p-30) * (1 << axis_bits) / extent_ : 0;
+  if (!centres.empty()) low_ = Double4{centres.min[0], centres.min[1], centres.min[2], 0};
+  upper_scale_ = scale_ * Double4{0x1p-10, 0x1p-10, 0x1p-11, 0};
 }
 
-uint64_t MortonCurve::code(const PrimitiveRef& ref) const {
-  return morton_code(cell(ref, 0), cell(ref, 1), cell(ref, 2));
+uint64_t MortonCurve::code(Float4 centre) const {
+  return morton_code(cell(centre, 0), cell(centre, 1), cell(centre, 2));
 }
 
-/// 32 bits are 11 of x, 11 of y and 10 of z.
-uint32_t MortonCurve::upper_code(const PrimitiveRef& ref) const {
-  return spread11(cell(ref, 0) >> 10) << 1 | spread11(cell(ref, 1) >> 10) | spread11(cell(ref, 2) >> 11) << 2;
+void sort_keys(std::span<MortonKey> keys, size_t longest_run, const KeyDetails& details) {
+  radix_sort(keys);
+  std::vector<std::vector<Run>> runs(chunk_count(keys.size()));
+  for_each_chunk(keys.size(),
+                 [&](size_t chunk, size_t begin, size_t end) { runs[chunk] = runs_of(keys, begin, end, longest_run); });
+  for_each_chunk(keys.size(), [&](size_t chunk, size_t, size_t) {
+    for (const Run& run : runs[chunk]) sort_run(keys.subspan(run.begin, run.count), details);
+  });
 }
 
 ScratchVector<MortonKey> sorted_keys(const MortonCurve& curve, std::span<const PrimitiveRef> refs) {
@@ -80,12 +78,8 @@ ScratchVector<MortonKey> sorted_keys(const MortonCurve& curve, std::span<const P
   for_each_chunk(refs.size(), [&](size_t, size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i) keys[i] = {curve.upper_code(refs[i]), static_cast<uint32_t>(i)};
   });
-  radix_sort(keys);
-  std::vector<std::vector<Run>> runs(chunk_count(keys.size()));
-  for_each_chunk(keys.size(), [&](size_t chunk, size_t begin, size_t end) { runs[chunk] = runs_of(keys, begin, end); });
-  for_each_chunk(keys.size(), [&](size_t chunk, size_t, size_t) {
-    for (const Run& run : runs[chunk]) sort_run(std::span(keys).subspan(run.begin, run.count), curve, refs);
-  });
+  const auto name = [&](uint32_t index) { return uint64_t{refs[index].geometry} << 32 | refs[index].primitive; };
+  sort_keys(keys, 1, {[&](uint32_t index) { return curve.code(refs[index]); }, name});
   return keys;
 }
 

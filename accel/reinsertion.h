@@ -7,7 +7,7 @@ namespace rayloom::accel {
 /// How much work goes into it.
 struct ReinsertionEffort {
   uint32_t rounds = 3;
-  uint32_t share = 16;  ///< each round tries the largest nodes, one in so many; one in four gains a percent more
+  uint32_t share = 16;  ///< each round tries the largest nodes, one in so many
 };
 
 /// Improves a tree of at least one node by moving subtrees to where they enlarge the boxes least: Meister and Bittner,

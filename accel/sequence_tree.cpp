@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <limits>
 
 namespace rayloom::accel {
 namespace {
@@ -13,19 +14,35 @@ Box4 box_of(std::span<const PrimitiveRef> refs) {
   return box;
 }
 
-/// By counting for each how many come before it, without branches nobody can predict.
-void sort_leaf(std::span<PrimitiveRef> leaf) {
+using Word4 __attribute__((vector_size(16))) = int32_t;
+
+/// By counting for each primitive of one geometry how many come before it, without branches nobody can predict.
+void sort_by_primitive(std::span<PrimitiveRef> leaf) {
   constexpr size_t most = 8;
-  if (leaf.size() > most) return std::sort(leaf.begin(), leaf.end(), name_less);
   std::array<PrimitiveRef, most> from;
-  std::array<uint64_t, most> name;
-  std::copy(leaf.begin(), leaf.end(), from.begin());
-  for (size_t i = 0; i < leaf.size(); ++i) name[i] = uint64_t{leaf[i].geometry} << 32 | leaf[i].primitive;
+  int32_t name[most];
+  std::fill_n(name, most, std::numeric_limits<int32_t>::max());
   for (size_t i = 0; i < leaf.size(); ++i) {
-    size_t before = 0;
-    for (size_t k = 0; k < leaf.size(); ++k) before += name[k] < name[i] || (k < i && name[k] == name[i]);
-    leaf[before] = from[i];
+    from[i] = leaf[i];
+    name[i] = static_cast<int32_t>(leaf[i].primitive);
   }
+  Word4 low, high, before_low = {}, before_high = {};
+  std::memcpy(&low, name, sizeof(low));
+  std::memcpy(&high, name + 4, sizeof(high));
+  for (size_t i = 0; i < leaf.size(); ++i) {
+    const Word4 one = Word4{} + name[i];
+    before_low -= one < low;
+    before_high -= one < high;
+  }
+  for (size_t i = 0; i < leaf.size(); ++i)
+    leaf[static_cast<size_t>(i < 4 ? before_low[i] : before_high[i - 4])] = from[i];
+}
+
+/// By name.
+void sort_leaf(std::span<PrimitiveRef> leaf) {
+  const auto same_geometry = [&](const PrimitiveRef& ref) { return ref.geometry == leaf[0].geometry; };
+  if (leaf.size() <= 8 && std::all_of(leaf.begin(), leaf.end(), same_geometry)) return sort_by_primitive(leaf);
+  std::sort(leaf.begin(), leaf.end(), name_less);
 }
 
 class SequenceBuilder {

@@ -19,6 +19,9 @@ Builder by_flags(uint32_t flags) {
   return (flags & build_flag::prefer_fast_trace) ? Builder::reinsertion : Builder::binned_sah;
 }
 
+/// What a fast-trace build has time for.
+constexpr ReinsertionEffort whole_tree{.rounds = 6, .share = 4};
+
 }  // namespace
 
 Builder chosen_builder(StructureKind kind, const BuildSettings& settings) {
@@ -38,7 +41,7 @@ BuiltTree build_tree(PrimitiveRefs refs, const TreeInput& input) {
   if (input.builder == Builder::lbvh_treelets) return build_lbvh_treelets(refs, input);
   BuiltTree built{std::move(refs), {}};
   built.tree = build_binary_tree(built.refs, {input.leaf_size, input.leaf_budget});
-  if (input.builder == Builder::reinsertion) built.tree = reinsert(std::move(built.tree), {});
+  if (input.builder == Builder::reinsertion) built.tree = reinsert(std::move(built.tree), whole_tree);
   return built;
 }
 

@@ -66,7 +66,7 @@ class Treelet {
 
   void fill_costs() {
     for (uint32_t set = 3; set < 1u << leaf_count_; ++set) {
-      if (std::has_single_bit(set)) continue;
+      if ((set & (set - 1)) == 0) continue;
       const float split = area_[set] * inner_cost + least_halves(set);
       cost_[set] = better_as_leaf(area_[set], count_[set], split, leaf_size_) ? area_[set] : split;
     }
@@ -100,7 +100,7 @@ class Treelet {
   /// Makes the subtree of a set and returns its node. The treelet's inner nodes are used again in any order but the
   /// root's, which comes first.
   uint32_t place(uint32_t set) {
-    if (std::has_single_bit(set)) return leaf_[static_cast<uint32_t>(std::countr_zero(set))];
+    if ((set & (set - 1)) == 0) return leaf_[static_cast<uint32_t>(std::countr_zero(set))];
     const uint32_t slot = inner_[inner_count_++];
     const uint32_t part = best_part(set);
     LooseNode node;

@@ -4,10 +4,24 @@
 #include <rayloom/accel/primitive_ref.h>
 #include <rayloom/accel/read_triangle.h>
 
+#include <algorithm>
 #include <optional>
 #include <vector>
 
 namespace rayloom::accel {
+
+namespace detail {
+void throw_index_error(const TriangleGeometry& geometry, uint32_t geometry_index, uint32_t triangle,
+                       const Indices& indices);
+}
+
+/// A triangle's indices; throws InputError, naming geometry `index`, where one is out of range.
+inline Indices checked_indices(const TriangleGeometry& geometry, uint32_t index, uint32_t triangle) {
+  const Indices indices = read_indices(geometry, triangle);
+  if (std::max({indices[0], indices[1], indices[2]}) >= geometry.vertex_count)
+    detail::throw_index_error(geometry, index, triangle, indices);
+  return indices;
+}
 
 /// read_triangle() for any indices; throws InputError, naming geometry `index`, where one is out of range.
 InputTriangle read_checked_triangle(const TriangleGeometry& geometry, uint32_t index, uint32_t triangle);

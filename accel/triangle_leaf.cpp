@@ -1,9 +1,8 @@
 #include <rayloom/accel/ray.h>
-#include <rayloom/accel/read_triangle.h>
 #include <rayloom/accel/triangle_leaf.h>
+#include <rayloom/accel/triangle_numbers.h>
 
 #include <algorithm>
-#include <bit>
 #include <cstring>
 
 namespace rayloom::accel {
@@ -12,71 +11,122 @@ namespace {
 constexpr uint32_t table_slots = TriangleLeaf::table_slots, plain_slots = TriangleLeaf::plain_slots;
 constexpr uint32_t most_corners = 3 * leaf_lanes;
 
-using Word4 __attribute__((vector_size(16))) = uint32_t;
-
-/// The corners of a leaf's triangles, a triangle's three side by side.
-struct Corners {
-  alignas(16) float axis[3][most_corners] = {};
-
-  void set(size_t lane, const InputTriangle& triangle) {
-    for (size_t vertex = 0; vertex < 3; ++vertex)
-      for (size_t k = 0; k < 3; ++k) axis[k][3 * lane + vertex] = triangle.vertex[vertex][k];
-  }
-  Word4 four(size_t k, size_t group) const {
-    Word4 words;
-    std::memcpy(&words, axis[k] + 4 * group, sizeof(words));
-    return words;
-  }
-};
-
-/// For each corner the first one of equal bits, so that a vertex keeps the sign of its zeros. All pairs at once, since
-/// what a search would branch on cannot be predicted.
-void find_first(const Corners& corners, uint32_t count, uint8_t (&first)[most_corners]) {
-  for (uint32_t i = 0; i < count; ++i) {
-    Word4 found = {}, bits = {1, 2, 4, 8};
-    Word4 point[3];
-    for (size_t k = 0; k < 3; ++k) point[k] = Word4{} + std::bit_cast<uint32_t>(corners.axis[k][i]);
-    for (uint32_t group = 0; group <= i / 4; ++group, bits <<= 4) {
-      const auto same = (corners.four(0, group) == point[0]) & (corners.four(1, group) == point[1]) &
-                        (corners.four(2, group) == point[2]);
-      found |= reinterpret_cast<Word4>(same) & bits;
-    }
-    first[i] = static_cast<uint8_t>(std::countr_zero(found[0] | found[1] | found[2] | found[3]));
-  }
-}
+using detail::Mask4;
 
 /// Rows of the table, with room for as many entries as there are corners.
 struct Rows {
   float axis[3][most_corners];
   uint8_t corner[3][leaf_lanes] = {};
   uint32_t slots = 0;
+
+  /// Four points from entry `first` on, coordinate by coordinate.
+  void set_four(uint32_t first, const Float4* p) {
+    using Order = detail::Mask4;
+    const Float4 xy01 = __builtin_shuffle(p[0], p[1], Order{0, 4, 1, 5}),
+                 xy23 = __builtin_shuffle(p[2], p[3], Order{0, 4, 1, 5}),
+                 z01 = __builtin_shuffle(p[0], p[1], Order{2, 6, 2, 6}),
+                 z23 = __builtin_shuffle(p[2], p[3], Order{2, 6, 2, 6});
+    const Float4 x = __builtin_shuffle(xy01, xy23, Order{0, 1, 4, 5}),
+                 y = __builtin_shuffle(xy01, xy23, Order{2, 3, 6, 7}),
+                 z = __builtin_shuffle(z01, z23, Order{0, 1, 4, 5});
+    std::memcpy(axis[0] + first, &x, sizeof(x));
+    std::memcpy(axis[1] + first, &y, sizeof(y));
+    std::memcpy(axis[2] + first, &z, sizeof(z));
+  }
 };
 
-void fill_table(Rows& rows, const Corners& corners, uint32_t count) {
-  uint8_t first[most_corners], entry[most_corners];
-  find_first(corners, count, first);
-  for (uint32_t i = 0; i < count; ++i) {
-    for (size_t k = 0; k < 3; ++k) rows.axis[k][rows.slots] = corners.axis[k][i];
-    entry[i] = static_cast<uint8_t>(rows.slots);
-    rows.corner[i % 3][i / 3] = entry[first[i]];
-    rows.slots += first[i] == i;
+/// Equal vertices are those of equal bits, so that a vertex keeps the sign of its zeros.
+struct SamePoint {
+  using Key = detail::Mask4;
+  static Key key(Float4 point) {
+    Key bits;
+    std::memcpy(&bits, &point, sizeof(bits));
+    return bits;
+  }
+  static bool equal(const Key& a, const Key& b) { return detail::all(a == b); }
+  static uint32_t hash(const Key& bits) {
+    const auto x = static_cast<uint32_t>(bits[0]), y = static_cast<uint32_t>(bits[1]),
+               z = static_cast<uint32_t>(bits[2]);
+    return x * 0x9E3779B1u ^ y * 0x85EBCA77u ^ z * 0xC2B2AE3Du;
+  }
+};
+
+/// Equal vertices are those of one index.
+struct SameIndex {
+  using Key = uint32_t;
+  static bool equal(Key a, Key b) { return a == b; }
+  static uint32_t hash(Key index) { return index * 0x9E3779B1u; }
+};
+
+/// A leaf's vertices in the order of their first use. A small hash table finds a vertex without comparing it with all
+/// others, and without branches nobody can predict.
+template <class Same>
+class VertexTable {
+ public:
+  using Key = typename Same::Key;
+
+  /// The entry of a vertex.
+  uint8_t add(const Key& key) {
+    uint32_t place = Same::hash(key) >> (32 - place_bits);
+    uint32_t found = entry_[place];
+    while ((found != 0) & !Same::equal(key_[found], key)) found = entry_[place = (place + 1) % places];  // rare
+    const uint32_t is_new = found == 0;
+    const uint32_t entry = found | (size_ & (0 - is_new));
+    key_[size_] = key;
+    entry_[place] = static_cast<uint8_t>(entry);
+    size_ += is_new;
+    return static_cast<uint8_t>(entry - 1);
+  }
+
+  uint32_t size() const { return size_ - 1; }
+  const Key* keys() const { return key_ + 1; }
+
+ private:
+  static constexpr uint32_t place_bits = 7, places = 1u << place_bits;
+
+  uint8_t entry_[places] = {};      ///< 0: none
+  Key key_[most_corners + 5] = {};  ///< from 1 on
+  uint32_t size_ = 1;
+};
+
+void fill_table(Rows& rows, const Corners4 (&triangles)[leaf_lanes], uint32_t count) {
+  VertexTable<SamePoint> table;
+  for (uint32_t lane = 0; lane < count; ++lane)
+    for (uint32_t vertex = 0; vertex < 3; ++vertex)
+      rows.corner[vertex][lane] = table.add(SamePoint::key(triangles[lane].corner[vertex]));
+  rows.slots = table.size();
+  for (uint32_t first = 0; first < rows.slots; first += 4)
+    rows.set_four(first, reinterpret_cast<const Float4*>(table.keys() + first));
+}
+
+void fill_table(Rows& rows, const TriangleGeometry& geometry, std::span<const PrimitiveRef> refs) {
+  VertexTable<SameIndex> table;
+  for (uint32_t lane = 0; lane < refs.size(); ++lane) {
+    const Indices indices = read_indices(geometry, refs[lane].primitive);
+    for (uint32_t vertex = 0; vertex < 3; ++vertex) rows.corner[vertex][lane] = table.add(indices[vertex]);
+  }
+  rows.slots = table.size();
+  for (uint32_t first = 0; first < rows.slots; first += 4) {
+    Float4 points[4] = {};
+    for (uint32_t i = 0; i < std::min(4u, rows.slots - first); ++i)
+      points[i] = load_vertex(geometry, table.keys()[first + i]);
+    rows.set_four(first, points);
   }
 }
 
-void fill_plain(Rows& rows, const Corners& corners) {
+void fill_plain(Rows& rows, const Corners4 (&triangles)[leaf_lanes], uint32_t count) {
   rows.slots = plain_slots;
   for (uint32_t vertex = 0; vertex < 3; ++vertex) {
     for (uint32_t lane = 0; lane < leaf_lanes; ++lane) {
       const uint32_t slot = leaf_lanes * vertex + lane;
       rows.corner[vertex][lane] = static_cast<uint8_t>(slot);
-      for (size_t k = 0; k < 3; ++k) rows.axis[k][slot] = corners.axis[k][3 * lane + vertex];
+      for (int k = 0; k < 3; ++k) rows.axis[k][slot] = lane < count ? triangles[lane].corner[vertex][k] : 0;
     }
   }
 }
 
-bool is_clipped(const PrimitiveRef& ref, const InputTriangle& corners) {
-  Box box;
-  for (const auto& vertex : corners.vertex) box.extend(vertex);
+bool is_clipped(const PrimitiveRef& ref, const Corners4& corners) {
+  const Box box = corners.box().box();
   return !std::equal(box.min, box.min + 3, ref.min) || !std::equal(box.max, box.max + 3, ref.max);
 }
 
@@ -92,29 +142,40 @@ void write_rows(const Rows& rows, TriangleLeaf& leaf) {
       std::memcpy(leaf.row(k), rows.axis[k], table_row);
 }
 
+void fill_rows(const TriangleLeafWriter& writer, Rows& rows, std::span<const PrimitiveRef> refs,
+               uint32_t (&geometry)[leaf_lanes]) {
+  const auto count = static_cast<uint32_t>(refs.size());
+  Corners4 triangles[leaf_lanes];
+  uint32_t split = 0;
+  for (uint32_t lane = 0; lane < count; ++lane) {
+    const TriangleGeometry& from = writer.geometries[refs[lane].geometry];
+    triangles[lane] = load_corners(from, read_indices(from, refs[lane].primitive));
+    if (writer.clipped && is_clipped(refs[lane], triangles[lane])) split = geometry_flag::split;
+  }
+  for (uint32_t& word : geometry) word |= split << 24;  // of the leaf, so that one word can serve all lanes
+  if (writer.form != LeafForm::full) fill_table(rows, triangles, count);
+  if (writer.form == LeafForm::full || rows.slots > table_slots) fill_plain(rows, triangles, count);
+}
+
 }  // namespace
 
 uint64_t TriangleLeafWriter::write(std::span<const PrimitiveRef> refs, std::byte* address) const {
   auto& leaf = *reinterpret_cast<TriangleLeaf*>(address);
   const auto count = static_cast<uint32_t>(refs.size());
-  Corners corners;
+  const TriangleGeometry& first = geometries[refs[0].geometry];
   uint32_t geometry[leaf_lanes] = {};
-  uint32_t split = 0;
-  bool mixed = form == LeafForm::full;
+  uint32_t different = 0;
   std::fill_n(leaf.primitive, leaf_lanes, no_index);
   for (size_t lane = 0; lane < count; ++lane) {
-    const uint32_t index = refs[lane].geometry;
-    const InputTriangle triangle = read_triangle(geometries[index], refs[lane].primitive);
-    corners.set(lane, triangle);
-    if (clipped && is_clipped(refs[lane], triangle)) split = geometry_flag::split;
     leaf.primitive[lane] = refs[lane].primitive;
-    geometry[lane] = index | (geometries[index].flags & 0x7F) << 24;
-    mixed |= geometry[lane] != geometry[0];
+    geometry[lane] = refs[lane].geometry | (geometries[refs[lane].geometry].flags & 0x7F) << 24;
+    different |= geometry[lane] ^ geometry[0];
   }
-  for (uint32_t& word : geometry) word |= split << 24;  // of the leaf, so that one word can serve all lanes
   Rows rows;
-  if (form == LeafForm::table) fill_table(rows, corners, 3 * count);
-  if (form != LeafForm::table || rows.slots > table_slots) fill_plain(rows, corners);
+  const bool by_index = form == LeafForm::index_table && different == 0 && first.index_format != IndexFormat::none;
+  if (by_index) fill_table(rows, first, refs);
+  if (!by_index || rows.slots > table_slots) fill_rows(*this, rows, refs, geometry);
+  const bool mixed = form == LeafForm::full || different != 0;
   std::memcpy(leaf.corner, rows.corner, sizeof(leaf.corner));
   leaf.geometry = geometry[0];
   leaf.count = static_cast<uint8_t>(count);

@@ -11,8 +11,9 @@
 namespace rayloom::accel {
 
 enum class LeafForm : uint8_t {
-  table,  ///< the smallest: equal vertices once, unless there are too many
-  full,   ///< every lane keeps its own vertices and geometry: PlainTriangleLeaf, which can be updated
+  table,        ///< the smallest: equal vertices once, unless there are too many
+  index_table,  ///< the same with vertices of one index, which is quicker; clipped leaves have no such form
+  full,         ///< every lane keeps its own vertices and geometry: PlainTriangleLeaf, which can be updated
 };
 
 struct TriangleLeafWriter {

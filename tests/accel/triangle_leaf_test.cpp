@@ -107,6 +107,34 @@ TEST_CASE("equal vertices are found without indices, but zeros keep their signs"
   check_round_trip(copies, LeafForm::table, TriangleLeaf::bytes(5, true));
 }
 
+TEST_CASE("told apart by index, equal vertices of two indices are kept twice") {
+  Soup soup = strip(2);
+  const TriangleGeometry strip_geometry[] = {soup.geometry()};
+  check_round_trip(strip_geometry, LeafForm::index_table, TriangleLeaf::bytes(4, false));
+  soup.vertices.insert(soup.vertices.end(), soup.vertices.begin(), soup.vertices.begin() + 3);
+  soup.indices.insert(soup.indices.end(), {4, 1, 3});  // vertex 4 lies where 0 does
+  const TriangleGeometry geometry[] = {soup.geometry()};
+  check_round_trip(geometry, LeafForm::index_table, TriangleLeaf::bytes(5, false));
+  check_round_trip(geometry, LeafForm::table, TriangleLeaf::bytes(4, false));
+}
+
+TEST_CASE("where indices do not help, the table is by position all the same") {
+  const Soup soup = strip(2);
+  const TriangleGeometry copies[] = {soup.geometry(), soup.geometry()};
+  check_round_trip(copies, LeafForm::index_table, TriangleLeaf::bytes(4, true));
+  Soup corners;
+  for (const uint32_t index : soup.indices)
+    corners.vertices.insert(corners.vertices.end(), &soup.vertices[3 * index], &soup.vertices[3 * index] + 3);
+  TriangleGeometry list[] = {corners.geometry()};
+  list[0].index_format = IndexFormat::none;
+  list[0].indices = nullptr;
+  list[0].triangle_count = 2;
+  check_round_trip(list, LeafForm::index_table, TriangleLeaf::bytes(4, false));
+  const Soup many = scattered(8);
+  const TriangleGeometry plain[] = {many.geometry()};
+  check_round_trip(plain, LeafForm::index_table, 352);
+}
+
 TEST_CASE("triangles with more vertices than a table holds make a plain leaf") {
   for (const uint32_t count : {5u, 6u, 8u}) {
     const Soup soup = scattered(count);

@@ -54,7 +54,7 @@ TEST_CASE("The chart has a line a builder from 10^4 to 10^9 rays") {
 
 TEST_CASE("Targets compare the builders that are there") {
   BenchReport report("build", "test");
-  add_builds(report, {row("binned_sah", true, 1, 1), row("spatial_splits", true, 3, 0.8), row("lbvh", true, 0.1, 1.2),
+  add_builds(report, {row("binned_sah", true, 1, 1), row("reinsertion", true, 3, 0.8), row("lbvh", true, 0.1, 1.2),
                       row("Embree low", false, 0.3, 1.5), row("Embree medium", false, 0.9, 1.1)});
   const Target* lbvh = find(report.targets, "lbvh: build rate over Embree low, 1 threads, median of scenes");
   REQUIRE(lbvh);
@@ -63,7 +63,7 @@ TEST_CASE("Targets compare the builders that are there") {
   const Target* sah = find(report.targets, "binned_sah: build rate over Embree medium, 1 threads, median of scenes");
   REQUIRE(sah);
   CHECK_FALSE(sah->met());
-  CHECK(find(report.targets, "spatial_splits: trace speed over lbvh, median of scenes"));
-  CHECK_FALSE(find(report.targets, "spatial_splits: build rate over Embree high, 1 threads, median of scenes"));
+  CHECK(find(report.targets, "reinsertion: trace speed over lbvh, median of scenes"));
+  CHECK_FALSE(find(report.targets, "reinsertion: build rate over Embree high, 1 threads, median of scenes"));
   CHECK(report.json["rows"].size() == 5);
 }

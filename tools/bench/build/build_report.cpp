@@ -12,7 +12,7 @@
 namespace rayloom::bench {
 namespace {
 
-constexpr const char *sah = "binned_sah", *fast_trace = "spatial_splits", *morton = "lbvh", *treelets = "lbvh_treelets";
+constexpr const char *sah = "binned_sah", *fast_trace = "reinsertion", *morton = "lbvh", *treelets = "lbvh_treelets";
 
 double bytes_per_triangle(const BuildRow& row) {
   return static_cast<double>(row.bytes) / static_cast<double>(row.triangles);

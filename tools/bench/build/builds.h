@@ -27,7 +27,7 @@ struct TreeShape {
 };
 
 struct BuildRow {
-  std::string scene, builder;  ///< "spatial_splits", "Embree high"
+  std::string scene, builder;  ///< "binned_sah", "Embree high"
   bool ours = true;
   uint64_t triangles = 0;
   std::vector<std::pair<unsigned, Measured>> builds;  ///< by thread count

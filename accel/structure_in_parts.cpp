@@ -1,0 +1,167 @@
+#include <rayloom/accel/part_builder.h>
+#include <rayloom/accel/reinsertion.h>
+#include <rayloom/accel/structure_in_parts.h>
+
+#include <cassert>
+#include <cstring>
+
+namespace rayloom::accel {
+namespace {
+
+constexpr uint32_t header_granules = sizeof(StructureHeader) / granule_bytes;
+
+/// A part and what is known of it once it is built.
+struct Part {
+  Subtree where;
+  Pieces pieces;
+};
+
+/// Where the curve is cut, budget and depth shared out on the way.
+class PartCutter {
+ public:
+  PartCutter(const TriangleCurve& order, const TreeInput& input) : order_(order), leaf_size_(input.leaf_size) {
+    const auto budget = static_cast<uint32_t>(input.leaf_budget);
+    cut({0, 0, static_cast<uint32_t>(order.keys().size()), budget, 0}, part_recipe(input.builder).size);
+  }
+  std::vector<Part> take() { return std::move(parts_); }
+
+ private:
+  void cut(const Subtree& subtree, uint32_t part_size) {
+    if (subtree.count <= part_size) return parts_.push_back({subtree, {}});
+    const auto keys = order_.keys().subspan(subtree.first, subtree.count);
+    const auto code_of = [&](uint32_t i) { return order_.code(keys[i].index); };
+    const auto [left, right] = halves_of(subtree, curve_cut(keys, subtree, leaf_size_, code_of), leaf_size_);
+    cut(left, part_size);
+    cut(right, part_size);
+  }
+
+  const TriangleCurve& order_;
+  uint32_t leaf_size_;
+  std::vector<Part> parts_;
+};
+
+/// The tree over all pieces, whose leaves' `first` are their numbers.
+class Top {
+ public:
+  Top(const std::vector<Part>& parts, bool reinserts) {
+    for (const Part& part : parts) {
+      for (const Piece& piece : part.pieces) {
+        refs_.push_back(make_primitive_ref(piece.box, 0, static_cast<uint32_t>(pieces_.size())));
+        pieces_.push_back(&piece);
+      }
+    }
+    tree = build_binary_tree(refs_, {1, refs_.size()});
+    if (reinserts) tree = reinsert(std::move(tree), {});
+    if (depth(0) > max_depth) build_balanced();
+  }
+
+  const Piece& piece(uint32_t slot) const { return *pieces_[refs_[tree[slot].first].primitive]; }
+
+  BinaryTree tree;
+
+ private:
+  /// Of the whole structure, if binary nodes were wide ones.
+  uint32_t depth(uint32_t slot) const {
+    if (tree[slot].is_leaf()) return piece(slot).wide.depth + 1;
+    return 1 + std::max(depth(slot + 1), depth(tree[slot].right));
+  }
+
+  /// Pieces are no deeper than 42: choices in a part end at max_choice_depth, and halving it takes at most 11 levels
+  /// more. Halving up to 2^21 of them fits above.
+  void build_balanced() {
+    const auto count = static_cast<uint32_t>(refs_.size());
+    PrimitiveRefs scratch(count);
+    tree.assign(2 * size_t{count} - 1, {});
+    build_binary_subtree(refs_, scratch, 1, {0, 0, count, count, max_choice_depth}, tree);
+    assert(depth(0) <= max_depth);
+  }
+
+  std::vector<const Piece*> pieces_;
+  PrimitiveRefs refs_;
+};
+
+class StructureInParts {
+ public:
+  StructureInParts(const TriangleCurve& order, const TreeInput& input, StructureHeader& header, std::byte* block)
+      : order_(order), input_(input), header_(header), block_(block), parts_(PartCutter(order, input).take()) {
+    build_parts();
+    join_parts();
+  }
+
+ private:
+  void build_parts() {
+    if (thread_limit() == 1) return build_in_turn();
+    const std::span<Part> parts(parts_);
+    std::vector<PartBuilder> builders(std::min(4 * size_t{thread_limit()}, parts.size()), PartBuilder(order_, input_));
+    for (size_t first = 0; first < parts.size(); first += builders.size())
+      build_together(builders, parts.subspan(first, std::min(builders.size(), parts.size() - first)));
+  }
+
+  void build_in_turn() {
+    PartBuilder builder(order_, input_);
+    for (Part& part : parts_) {
+      builder.build_in_place(part.where, block_, granule_);
+      part.pieces = builder.take_pieces();
+      granule_ = builder.wide().granule();
+      add_sums(builder.wide());
+    }
+  }
+
+  /// Where a part goes follows from the bytes of all before.
+  void build_together(std::span<PartBuilder> builders, std::span<Part> parts) {
+    parallel_for(parts.size(), 1, [&](uint64_t i, uint64_t) { builders[i].build(parts[i].where); });
+    std::vector<uint32_t> place(parts.size());
+    for (size_t i = 0; i < parts.size(); ++i) {
+      place[i] = granule_;
+      granule_ += builders[i].wide().granule();
+      add_sums(builders[i].wide());
+    }
+    parallel_for(parts.size(), 1,
+                 [&](uint64_t i, uint64_t) { parts[i].pieces = builders[i].move_to(block_, place[i]); });
+  }
+
+  void add_sums(const WideBytes& wide) {
+    header_.node_count += static_cast<uint32_t>(wide.nodes().size());
+    header_.leaf_count += wide.leaf_count();
+    area_ += wide.area();
+  }
+
+  void join_parts() {
+    const Top top(parts_, part_recipe(input_.builder).reinserts_top);
+    WideBytes wide;
+    wide.start(block_, granule_);
+    const LooseWide root =
+        wide.add_below(top.tree, Collapse(top.tree), 0, [&](uint32_t slot) { return top.piece(slot).wide; });
+    header_.root = wide.add_node(root);
+    header_.depth = root.depth + 1;
+    assert(header_.depth <= max_depth);
+    header_.bytes = uint64_t{wide.granule()} * granule_bytes + TriangleLeaf::overread_bytes;
+    add_sums(wide);
+    describe(top.tree[0].box);
+  }
+
+  void describe(const Box& box) {
+    const double area = box.half_area();
+    header_.active_count = order_.keys().size();
+    header_.sah_cost = area > 0 ? area_ / area : static_cast<double>(header_.node_count + header_.leaf_count);
+    std::copy_n(box.min, 3, header_.bounds_min);
+    std::copy_n(box.max, 3, header_.bounds_max);
+  }
+
+  const TriangleCurve& order_;
+  const TreeInput& input_;
+  StructureHeader& header_;
+  std::byte* block_;
+  std::vector<Part> parts_;
+  uint32_t granule_ = header_granules;
+  double area_ = 0;  ///< summed over nodes and leaves
+};
+
+}  // namespace
+
+void build_in_parts(const TreeInput& input, StructureHeader& header, std::byte* block) {
+  const TriangleCurve order(input.triangles, input.build_flags & build_flag::allow_update);
+  if (!order.keys().empty()) StructureInParts(order, input, header, block);
+}
+
+}  // namespace rayloom::accel
