@@ -38,6 +38,7 @@ Fiber::Context::~Context() { VALGRIND_STACK_DEREGISTER(valgrind_id); }
 void Fiber::Context::entry(void* argument) {
   auto& self = *static_cast<Context*>(argument);
   self.own.known.arrive();
+  self.own.arrive_in_own_modes();
   for (;;) {
     self.function(self.argument);
     self.done = true;

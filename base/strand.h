@@ -87,12 +87,20 @@ struct Strand {
     if (!(modes == next.modes)) [[unlikely]]
       next.modes.set();
     switch_in_same_modes(next, argument);
+    arrive_in_own_modes();
   }
   /// For strands that never change their FloatModes: to read them waits for all arithmetic before.
   [[gnu::always_inline]] void switch_in_same_modes(Strand& next, void* argument) {
     known.leave_for(next.known);
     switch_stack(point, next.point, argument);
     known.arrive();
+  }
+
+  /// On some processors fcontext keeps the modes it was left in, which are those of the strand that was switched to.
+  [[gnu::always_inline]] void arrive_in_own_modes() const {
+#if RAYLOOM_STACK_SWITCH_BY_BOOST
+    modes.set();
+#endif
   }
 
   StackPoint point;
