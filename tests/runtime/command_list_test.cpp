@@ -159,24 +159,21 @@ TEST_CASE("DR-08: host descs are copied when recorded, device memory is read whe
   CHECK(log.as<uint>()[0] == 7);
 }
 
-TEST_CASE("RS-01, RS-03: global and local root arguments in every stage") {
-  struct Global {
-    uint value;
-    RWStructuredBuffer<uint> out;
-  };
-  struct Local {
-    uint value;
-  };
-  Program program;
-  const Buffer log = program.counters();
-  const auto scene = program.scene({instance(program.layers({1}, {RAYTRACING_GEOMETRY_FLAG_NONE})), [&] {
-                                      auto desc = instance(program.boxes({3}));
-                                      desc.InstanceContributionToHitGroupIndex = 1;
-                                      return desc;
-                                    }()});
+namespace {
+
+struct GlobalArguments {
+  uint value;
+  RWStructuredBuffer<uint> out;
+};
+struct LocalArguments {
+  uint value;
+};
+
+/// A shader of every stage that writes the sum of its global and local argument to a slot of its own.
+void add_summing_shaders(Program& program, RaytracingAccelerationStructure scene) {
   const auto note = [](const auto& ctx, uint slot) {
-    const Global global = ctx.template GlobalRoot<Global>();
-    global.out[slot] = global.value + ctx.template LocalRoot<Local>().value;
+    const GlobalArguments global = ctx.template GlobalRoot<GlobalArguments>();
+    global.out[slot] = global.value + ctx.template LocalRoot<LocalArguments>().value;
   };
   program.shaders.RayGeneration("rg", [=](RayGenContext& ctx) {
     note(ctx, 0);
@@ -197,25 +194,39 @@ TEST_CASE("RS-01, RS-03: global and local root arguments in every stage") {
   program.shaders.ClosestHit("ch", [=](ClosestHitContext& ctx, Value&, const Barycentrics&) { note(ctx, 3); });
   program.shaders.Miss("ms", [=](MissContext& ctx, Value&) { note(ctx, 4); });
   program.shaders.Callable("ca", [=](CallableContext& ctx, Value&) { note(ctx, 5); });
-  program.desc.add(GLOBAL_ROOT_SIGNATURE{RootSignature().Struct<Global>()});
-  program.desc.add(LOCAL_ROOT_SIGNATURE{RootSignature().Struct<Local>()});
   program.hit_group("hg", "ch", "ah").hit_group("box", "", "", "is");
+}
+
+void create_with_roots(Program& program) {
+  program.desc.add(GLOBAL_ROOT_SIGNATURE{RootSignature().Struct<GlobalArguments>()});
+  program.desc.add(LOCAL_ROOT_SIGNATURE{RootSignature().Struct<LocalArguments>()});
   program.desc.add(DXIL_LIBRARY_DESC{program.shaders});
   program.desc.add(program.shader_config);
   program.desc.add(program.config);
   program.pipeline = program.device.CreateStateObject(program.desc);
+}
+
+}  // namespace
+
+TEST_CASE("RS-01, RS-03: global and local root arguments in every stage") {
+  Program program;
+  const Buffer log = program.counters();
+  auto boxes = instance(program.boxes({3}));
+  boxes.InstanceContributionToHitGroupIndex = 1;
+  add_summing_shaders(program, program.scene({instance(program.layers({1}, {RAYTRACING_GEOMETRY_FLAG_NONE})), boxes}));
+  create_with_roots(program);
   const auto table = [&](std::vector<std::pair<const char*, uint>> records) {
     ShaderTableBuilder builder(*program.pipeline);
-    for (const auto& [name, value] : records) builder.add(name, Local{value});
+    for (const auto& [name, value] : records) builder.add(name, LocalArguments{value});
     return builder.build(program.device);
   };
   const ShaderTable ray_generation = table({{"rg", 1}}), miss = table({{"ms", 5}}),
                     hit = table({{"hg", 3}, {"box", 2}}), callable = table({{"ca", 6}});
   CommandList list;
   list.SetPipelineState1(program.pipeline);
-  list.SetComputeRoot(Global{100, log.rw_structured<uint>()});
+  list.SetComputeRoot(GlobalArguments{100, log.rw_structured<uint>()});
   list.DispatchRays({ray_generation, miss, hit, callable, 1, 1, 1});
-  list.SetComputeRoot(Global{0, {}});  // what was recorded stays
+  list.SetComputeRoot(GlobalArguments{0, {}});  // what was recorded stays
   program.device.execute(list);
   CHECK(log.download<uint>(6) == std::vector<uint>{101, 102, 103, 103, 105, 106});
   CHECK(program.messages.empty());
