@@ -69,7 +69,8 @@ class SplitTreeBuilder {
     node = {subtree.bounds.box, subtree.first, subtree.count, 0};
     const auto refs = refs_of(subtree);
     if (subtree.count <= leaf_size_) return std::sort(refs.begin(), refs.end(), name_less);
-    const auto [left, right] = split(subtree);
+    const std::pair<Subtree, Subtree> halves = split(subtree);
+    const Subtree &left = halves.first, &right = halves.second;
     node.right = right.slot;
     if (subtree.count < parallel_threshold) {
       build(left);

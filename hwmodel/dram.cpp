@@ -5,11 +5,10 @@
 
 namespace rayloom::hwmodel {
 
-Dram::Dram(Engine& engine, const Config& config, uint32_t l2_latency, uint32_t line_bytes, uint32_t core_mhz)
+Dram::Dram(Engine& engine, const Config& config, uint32_t l2_latency, uint32_t core_mhz)
     : Component(engine, "DRAM"),
       config_(config),
       inner_latency_(Cycle{config.latency} - l2_latency),
-      sectors_per_line_(line_bytes / sector_bytes),
       channels_(config.channels) {
   if (config.latency < l2_latency)
     throw UsageError("dram.latency: " + std::to_string(config.latency) + " clocks are fewer than l2.latency");

@@ -30,7 +30,7 @@ class Dram : public Component {
   };
 
   /// `l2_latency`: load to use of an L2 hit; throws UsageError when Config::latency is shorter.
-  Dram(Engine& engine, const Config& config, uint32_t l2_latency, uint32_t line_bytes, uint32_t core_mhz);
+  Dram(Engine& engine, const Config& config, uint32_t l2_latency, uint32_t core_mhz);
   void connect(const Component& l2) { l2_ = &l2; }
 
   void handle(const Event& event) override;
@@ -48,7 +48,6 @@ class Dram : public Component {
 
   Config config_;
   Cycle inner_latency_;
-  uint32_t sectors_per_line_;
   uint64_t sector_subcycles_;  // one sector on one channel
   std::vector<Port> channels_;
   const Component* l2_ = nullptr;

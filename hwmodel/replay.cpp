@@ -75,7 +75,7 @@ Gpu::Gpu(std::span<const Capture> captures, const GpuConfig& config)
   dispatcher_ = std::make_unique<Dispatcher>(engine_, config.dispatcher, warp_counts(captures));
   build_cores();
   l2_ = std::make_unique<L2Cache>(engine_, config.l2, config.crossbar, config.l1.line_bytes);
-  dram_ = std::make_unique<Dram>(engine_, config.dram, config.l2.latency, config.l1.line_bytes, config.core_mhz);
+  dram_ = std::make_unique<Dram>(engine_, config.dram, config.l2.latency, config.core_mhz);
   connect();
 }
 

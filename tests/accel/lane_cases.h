@@ -75,8 +75,8 @@ inline NodeCase random_node_case(Random& random) {
 }
 
 /// A leaf over a table, and room for what vectors read beyond it.
-struct alignas(32) TableLeafCase {
-  std::byte bytes[TriangleLeaf::bytes(TriangleLeaf::table_slots, true) + TriangleLeaf::overread_bytes] = {};
+struct TableLeafCase {
+  alignas(32) std::byte bytes[TriangleLeaf::bytes(TriangleLeaf::table_slots, true) + TriangleLeaf::overread_bytes] = {};
   PreparedRay ray;
   TriangleLeaf& leaf() { return *reinterpret_cast<TriangleLeaf*>(bytes); }
 };

@@ -202,7 +202,7 @@ TEST_CASE("altering any field of an event is noticed, every third event of a war
   for (size_t i = 0; i < capture.warps[1].events.size(); i += 3)
     for (const auto& [name, alter] : alterations) {
       INFO("event " << i << ", " << name);
-      REQUIRE(refused(capture, [&](WarpCapture& warp) { alter(warp.events[i]); }));
+      REQUIRE(refused(capture, [&, &alter = alter](WarpCapture& warp) { alter(warp.events[i]); }));
     }
 }
 

@@ -105,7 +105,9 @@ TEST_CASE("box rate: the least of pipe rate, port rate and rays over latency, wi
   std::vector<Chain> chains;
   for (uint32_t i = 0; i < lanes; ++i) chains.push_back(make_chain(arena, nodes));
   // One long warm trace against a longer one: the difference has neither cold misses nor ends.
-  const auto cycles = [&](int repeats) { return run(trace_all(arena, chains, lanes, repeats), config).stats.cycles; };
+  const auto cycles = [&, lanes = lanes](int repeats) {
+    return run(trace_all(arena, chains, lanes, repeats), config).stats.cycles;
+  };
   const auto more = static_cast<double>(cycles(22) - cycles(2));
   const double beats = (224 + port_bytes - 1) / port_bytes;
   const double latency = static_cast<double>(step_of(config)) + beats - 1;

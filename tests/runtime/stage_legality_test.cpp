@@ -77,8 +77,8 @@ RAYLOOM_ROW(HitKind,                   false, false, true,  true,  false, false)
 // clang-format on
 
 // STG-11 and the verdict types.
-void closest_hit(ClosestHitContext&, Data&, const Data&) {}
-void miss(MissContext&, Data&) noexcept {}
+[[maybe_unused]] void closest_hit(ClosestHitContext&, Data&, const Data&) {}
+[[maybe_unused]] void miss(MissContext&, Data&) noexcept {}
 static_assert(ClosestHitShader<decltype(&closest_hit)> && !MissShader<decltype(&closest_hit)>);
 static_assert(MissShader<decltype(&miss)> && !CallableShader<decltype(&miss)>);
 static_assert(!RayGenerationShader<int> && !RayGenerationShader<decltype([](auto&) {})>);

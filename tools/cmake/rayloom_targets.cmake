@@ -32,6 +32,7 @@ add_library(rayloom_warnings INTERFACE)
 target_compile_options(rayloom_warnings INTERFACE
   -Wall -Wextra -Wpedantic -Wshadow -Wnon-virtual-dtor -Wconversion -Wno-sign-conversion -Wold-style-cast
   $<$<CXX_COMPILER_ID:GNU>:-Wno-restrict>  # false alarms on std::string's operator+ (GCC bug 105651)
+  $<$<CXX_COMPILER_ID:Clang>:-Wno-bitwise-instead-of-logical>  # & saves a branch in kernels
   $<$<BOOL:${RAYLOOM_WARNINGS_AS_ERRORS}>:-Werror>)
 
 if(RAYLOOM_SANITIZE)

@@ -5,20 +5,20 @@
 namespace rayloom::bench {
 namespace {
 
+using Get = double (*)(const Measurement&);
+
 double get_mse(const Measurement& m) { return m.error.mse; }
 double get_relmse(const Measurement& m) { return m.error.relmse; }
 double get_trimmed_relmse(const Measurement& m) { return m.error.trimmed_relmse; }
 double get_flip(const Measurement& m) { return m.flip.ldr; }
 
-template <class Get>
-double mean_over(const ErrorCurve& curve, size_t i, std::span<const size_t> seeds, const Get& get) {
+double mean_over(const ErrorCurve& curve, size_t i, std::span<const size_t> seeds, Get get) {
   double sum = 0;
   for (const size_t seed : seeds) sum += get(curve.seeds[seed][i]);
   return sum / static_cast<double>(seeds.size());
 }
 
-template <class Get>
-Estimate slope(const ErrorCurve& curve, const Get& get) {
+Estimate slope(const ErrorCurve& curve, Get get) {
   const std::vector<double> spp(curve.spp.begin(), curve.spp.end());
   return jackknife(curve.seeds.size(), [&](std::span<const size_t> seeds) {
     std::vector<double> errors;
@@ -73,14 +73,14 @@ TimeToError time_to_relmse(const ErrorCurve& curve, double target) {
 
 CurveRatio compare(const ErrorCurve& curve, const ErrorCurve& base) {
   const size_t last = curve.spp.size() - 1, seeds = curve.seeds.size();
-  const auto ratio_of = [&](const auto& get) {
+  const auto ratio_of = [&](Get get) {
     return [&curve, &base, get, last](std::span<const size_t> chosen) {
       return mean_over(curve, last, chosen, get) / mean_over(base, last, chosen, get);
     };
   };
   CurveRatio ratio;
   ratio.time = ratio_of_pairs(last_seconds(curve), last_seconds(base));
-  const auto efficiency_of = [&](const auto& get) {
+  const auto efficiency_of = [&](Get get) {
     return jackknife(seeds, [error = ratio_of(get), time = ratio.time.median](std::span<const size_t> chosen) {
       return 1 / (error(chosen) * time);
     });
