@@ -11,6 +11,7 @@
 
 #include "brute_force.h"
 #include "check_structure.h"
+#include "hard_meshes.h"
 #include "random.h"
 #include "recorder.h"
 
@@ -26,34 +27,6 @@ double seconds_of(const std::function<void()>& work) {
   const auto start = std::chrono::steady_clock::now();
   work();
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-}
-
-Mesh copies(size_t count) {
-  Mesh mesh;
-  for (const Point& p : {Point{-1, -1, 1}, {1, -1, 1}, {0, 2, 1}}) mesh.add(p);
-  mesh.triangles.assign(count, {0, 1, 2});
-  return mesh;
-}
-
-/// Triangles around the z axis whose centres all agree.
-Mesh concentric(size_t count) {
-  Mesh mesh;
-  for (size_t i = 0; i < count; ++i) {
-    const float r = 1 + static_cast<float>(i) / static_cast<float>(count);
-    mesh.add_triangle({-r, -r, 1}, {r, -r, 1}, {0, r, 1});
-  }
-  return mesh;
-}
-
-/// Layers at 2^-i: every split by position peels a few off.
-Mesh exponential(int levels, int per_level, bool both_sides) {
-  Mesh mesh;
-  for (int i = 0; i < levels; ++i)
-    for (int k = 0; k < per_level; ++k) {
-      const float z = std::ldexp(1.0f + 0.001f * static_cast<float>(k), -i) * (both_sides && k % 2 ? -1.0f : 1.0f);
-      mesh.add_triangle({-z, -z, z}, {z, -z, z}, {0, z, z});
-    }
-  return mesh;
 }
 
 Mesh slivers(size_t count, uint64_t seed) {

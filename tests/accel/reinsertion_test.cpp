@@ -6,6 +6,7 @@
 #include <catch2/catch.hpp>
 
 #include "check_structure.h"
+#include "hard_meshes.h"
 #include "random.h"
 
 using namespace rayloom;
@@ -16,20 +17,6 @@ namespace {
 
 constexpr BuildSettings improved{build_flag::prefer_fast_trace, Builder::reinsertion};
 constexpr BuildSettings plain{build_flag::none, Builder::binned_sah};
-
-/// Triangles of all sizes, thrown together.
-Mesh mixture(size_t count, uint64_t seed) {
-  Random random(seed);
-  Mesh mesh;
-  for (size_t i = 0; i < count; ++i) {
-    const float size = std::ldexp(1.0f, -static_cast<int>(random.below(7)));
-    const auto any = [&] { return random.uniform(-1, 1); };
-    const Point a{any(), any(), any()};
-    const auto near = [&] { return Point{a[0] + size * any(), a[1] + size * any(), a[2] + size * any()}; };
-    mesh.add_triangle(a, near(), near());
-  }
-  return mesh;
-}
 
 BuiltTree tree_of(const Mesh& mesh) {
   const TriangleGeometry geometry = mesh.geometry();

@@ -10,6 +10,7 @@
 #include <map>
 
 #include "check_structure.h"
+#include "hard_meshes.h"
 #include "random.h"
 #include "recorder.h"
 
@@ -21,22 +22,6 @@ namespace {
 
 constexpr BuildSettings with_splits{build_flag::prefer_fast_trace, Builder::spatial_splits};
 constexpr BuildSettings without_splits{build_flag::none, Builder::binned_sah};
-
-/// Triangles of all sizes, many small ones beside few large: what spatial splits are for.
-Mesh mixture(size_t count, uint64_t seed) {
-  Random random(seed);
-  Mesh mesh;
-  for (size_t i = 0; i < count; ++i) {
-    const float size = std::ldexp(1.0f, -static_cast<int>(random.below(7)));
-    const auto any = [&] { return random.uniform(-1, 1); };
-    const Point a{any(), any(), any()};
-    const auto near = [&](float reach) {
-      return Point{a[0] + reach * any(), a[1] + reach * any(), a[2] + reach * any()};
-    };
-    mesh.add_triangle(a, near(size), near(0.3f * size));
-  }
-  return mesh;
-}
 
 Mesh joined(Mesh mesh, const Mesh& other) {
   const auto base = static_cast<uint32_t>(mesh.vertices.size());

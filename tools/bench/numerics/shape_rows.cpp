@@ -2,6 +2,7 @@
 
 #include <rayloom/accel/walk.h>
 #include <rayloom/tests/accel/brute_force.h>
+#include <rayloom/tests/accel/hard_meshes.h>
 #include <rayloom/tests/accel/triangle_cases.h>
 #include <rayloom/tools/bench/numerics/closed_mesh.h>
 #include <rayloom/tools/bench/numerics/rows.h>
@@ -13,23 +14,9 @@ namespace rayloom::bench::numerics {
 namespace {
 
 using accel::test::Block;
-
-Mesh identical(uint64_t count) {
-  Mesh mesh;
-  for (const Point& p : {Point{-1, -1, 1}, {1, -1, 1}, {0, 2, 1}}) mesh.add(p);
-  mesh.triangles.assign(count, {0, 1, 2});
-  return mesh;
-}
-
-/// In one plane around one centre.
-Mesh concentric(uint64_t count) {
-  Mesh mesh;
-  for (uint64_t i = 0; i < count; ++i) {
-    const float r = 1 + static_cast<float>(i) / static_cast<float>(count);
-    mesh.add_triangle({-r, -r, 1}, {r, -r, 1}, {0, r, 1});
-  }
-  return mesh;
-}
+using accel::test::concentric;
+using accel::test::copies;
+using accel::test::exponential;
 
 Mesh two_clusters(uint64_t count) {
   Mesh mesh;
@@ -48,17 +35,6 @@ Mesh scattered(uint64_t count, uint64_t seed) {
     mesh.add_triangle(at, {at[0] + random.uniform(-1, 1), at[1] + 1, at[2]},
                       {at[0], at[1] + random.uniform(-1, 1), at[2] + 1});
   }
-  return mesh;
-}
-
-/// Layers at 2^-i, on one side or on both.
-Mesh exponential(int levels, int per_level, bool both_sides) {
-  Mesh mesh;
-  for (int i = 0; i < levels; ++i)
-    for (int k = 0; k < per_level; ++k) {
-      const float z = std::ldexp(1.0f + 0.001f * static_cast<float>(k), -i) * (both_sides && k % 2 ? -1.0f : 1.0f);
-      mesh.add_triangle({-z, -z, z}, {z, -z, z}, {0, z, z});
-    }
   return mesh;
 }
 
@@ -165,7 +141,7 @@ Mesh any_mesh(Random& random) {
       return exponential(1 + static_cast<int>(random.below(140)), 1 + static_cast<int>(random.below(4)),
                          random.chance(2));
     case 3:
-      return identical(count);
+      return copies(count);
     default:
       return concentric(count);
   }
@@ -199,7 +175,7 @@ void run_equal_centres(RowRun& run) {
     const accel::Builder builder = builders[i];
     const std::string name = fmt::format("{}, {} ", accel::builder_name(builder), count);
     const double uniform = timed_build(reference, builder).seconds;
-    for (const auto& [what, mesh] : {std::pair{"identical", identical(count)},
+    for (const auto& [what, mesh] : {std::pair{"identical", copies(count)},
                                      {"concentric", concentric(count)},
                                      {"in two clusters", two_clusters(count)}})
       judge_depth(run, name + what, mesh, timed_build(mesh, builder), uniform);
