@@ -107,8 +107,8 @@ template <Order order>
 
 /// From `ref` down through first children, to a leaf. False where a node has no child that the ray meets.
 template <Order order, class Visitor>
-[[gnu::always_inline]] inline bool descend(const Level& level, const BoxLanes& lanes, uint32_t& ref,
-                                           TraversalStack& stack, Visitor& visitor) {
+[[gnu::always_inline]] inline bool descend(const Level& level, uint32_t& ref, TraversalStack& stack, Visitor& visitor) {
+  const BoxLanes lanes(level.ray);
   while (!node_ref::is_leaf(ref)) {
     const Node8& node = level.node(ref);
     const NodeHits hits = test_node(lanes, node, level.t_near, level.t_far);
@@ -123,20 +123,18 @@ template <Order order, class Visitor>
   return true;
 }
 
-/// Depth first from a node or leaf of one structure. `leaves.visit(level, lanes, address, search, visitor)` tests a
+/// Depth first from a node or leaf of one structure. `leaves.visit(level, address, search, visitor)` tests a
 /// leaf. True: search ended.
 template <Order order, class Leaves, class Visitor>
 bool traverse_subtree(Level& level, uint32_t from, const Leaves& leaves, Search& search, Visitor& visitor) {
-  const BoxLanes boxes(level.ray);
-  const typename Leaves::Lanes lanes(level.ray);
   TraversalStack stack;
   stack.push(from, level.t_near);
   while (!stack.empty()) {
     auto [ref, near] = stack.pop();
     const bool culled = order == Order::distance && near > level.t_far;
     visitor.on_pop(ref, near, culled);
-    if (culled || !descend<order>(level, boxes, ref, stack, visitor)) continue;
-    const Offer offer = leaves.visit(level, lanes, level.block + node_ref::offset(ref), search, visitor);
+    if (culled || !descend<order>(level, ref, stack, visitor)) continue;
+    const Offer offer = leaves.visit(level, level.block + node_ref::offset(ref), search, visitor);
     if (offer == Offer::ended) return true;
     if (offer == Offer::committed) level.shorten(search);
   }
@@ -152,7 +150,6 @@ bool traverse_ordered(Level& level, uint32_t start, const Leaves& leaves, Search
 }
 
 struct TriangleLeaves {
-  using Lanes = TriangleLanes;
   const InstanceRules& rules;
 
   static std::optional<TriangleHit> intersect(const PreparedRay& ray, const TriangleLeaf& leaf, uint32_t lane,
@@ -166,10 +163,9 @@ struct TriangleLeaves {
   }
 
   template <class Visitor>
-  Offer visit(const Level& level, const Lanes& lanes, const std::byte* address, Search& search,
-              Visitor& visitor) const {
+  Offer visit(const Level& level, const std::byte* address, Search& search, Visitor& visitor) const {
     const auto* leaf = reinterpret_cast<const TriangleLeaf*>(address);
-    const LeafMasks masks = test_triangles(lanes, *leaf, level.depths);
+    const LeafMasks masks = test_triangles(TriangleLanes(level.ray), *leaf, level.depths);
     return offer_lanes(level, leaf, masks, search, visitor);
   }
 
@@ -192,12 +188,12 @@ struct TriangleLeaves {
 };
 
 struct ProceduralLeaves {
-  using Lanes = BoxLanes;
   const InstanceRules& rules;
 
   template <class Visitor>
-  Offer visit(Level& level, const Lanes& lanes, const std::byte* address, Search& search, Visitor& visitor) const {
+  Offer visit(Level& level, const std::byte* address, Search& search, Visitor& visitor) const {
     const auto* leaf = reinterpret_cast<const ProceduralLeaf8*>(address);
+    const BoxLanes lanes(level.ray);
     const uint32_t met = test_boxes(lanes, *leaf, level.t_near, level.t_far);
     uint32_t asked = 0;
     Offer result = Offer::rejected;
@@ -250,14 +246,11 @@ inline void set_rules(InstanceRules& rules, const InstanceRecord& instance, cons
 }
 
 struct InstanceLeaves {
-  struct Lanes {
-    explicit Lanes(const PreparedRay&) {}
-  };
   AddressSpace addresses;
   InstanceRules plain;  ///< of instances without flags
 
   template <class Visitor>
-  Offer visit(const Level&, const Lanes&, const std::byte* address, Search& search, Visitor& visitor) const {
+  Offer visit(const Level&, const std::byte* address, Search& search, Visitor& visitor) const {
     const auto* instance = reinterpret_cast<const InstanceRecord*>(address);
     const TraceRequest& request = search.request();
     const std::byte* block = addresses.host(instance->bottom_level_address);

@@ -160,10 +160,7 @@ void RayMachine::test_leaf() {
   next_asked_ = 0;
   RayEventVisitor visitor(capture_->header.addresses, *this);
   const std::byte* const where = bytes_at(step_.address);
-  const auto visit = [&](const auto& leaves) {
-    const typename std::remove_cvref_t<decltype(leaves)>::Lanes lanes(bottom_->ray);
-    return leaves.visit(*bottom_, lanes, where, *search_, visitor);
-  };
+  const auto visit = [&](const auto& leaves) { return leaves.visit(*bottom_, where, *search_, visitor); };
   const Offer offer = step_.kind == RayStep::Kind::triangle_leaf ? visit(accel::scalar::TriangleLeaves{*rules_})
                                                                  : visit(accel::scalar::ProceduralLeaves{*rules_});
   if (offer == Offer::committed) bottom_->shorten(*search_);
