@@ -24,8 +24,8 @@ DispatchStatistics& DispatchStatistics::operator+=(const DispatchStatistics& oth
 namespace detail {
 namespace {
 
-/// How many warps a thread takes at a time.
-constexpr uint64_t warps_per_chunk = 4;
+/// How many warps a thread takes at a time: without a tracer these are one stream of lanes, which runs out at its end.
+constexpr uint64_t least_warps_per_chunk = 4, most_warps_per_chunk = 64, chunks_wanted = 512;
 /// Direct mode runs on threads' own stacks, which must have this much.
 constexpr uint64_t max_direct_stack_bytes = 1024 * 1024;
 
@@ -124,7 +124,8 @@ class Grid {
   uint64_t warp_count() const { return (dispatch_.thread_count() + dispatch_.warp_size - 1) / dispatch_.warp_size; }
 
   DispatchStatistics run() {
-    parallel_for(warp_count(), warps_per_chunk, [this](uint64_t begin, uint64_t end) { run_warps(begin, end); });
+    const uint64_t grain = std::clamp(warp_count() / chunks_wanted, least_warps_per_chunk, most_warps_per_chunk);
+    parallel_for(warp_count(), grain, [this](uint64_t begin, uint64_t end) { run_warps(begin, end); });
     return pool_.statistics();
   }
 
@@ -132,18 +133,24 @@ class Grid {
   void run_warps(uint64_t begin, uint64_t end) {
     const MemoryScope memory(dispatch_.shader_memory);
     std::unique_ptr<Warp> warp = pool_.take(dispatch_);
-    for (uint64_t index = begin; index < end; ++index) run_warp(*warp, index);
+    if (dispatch_.tracer)
+      for (uint64_t index = begin; index < end; ++index) run_traced_warp(*warp, index);
+    else
+      run_lanes(*warp, nullptr, begin, end);
     pool_.give_back(std::move(warp));  // unless a lane has failed
   }
 
-  void run_warp(Warp& warp, uint64_t index) {
-    const uint64_t first = index * dispatch_.warp_size;
-    const auto lanes = static_cast<uint32_t>(std::min<uint64_t>(dispatch_.warp_size, dispatch_.thread_count() - first));
-    if (!dispatch_.tracer) return warp.run(nullptr, first, lanes);
+  /// Those of warps begin .. end - 1.
+  void run_lanes(Warp& warp, WarpTracer* tracer, uint64_t begin, uint64_t end) {
+    const uint64_t first = begin * dispatch_.warp_size;
+    warp.run(tracer, first, std::min(end * dispatch_.warp_size, dispatch_.thread_count()) - first);
+  }
+
+  void run_traced_warp(Warp& warp, uint64_t index) {
     std::unique_ptr<WarpTracer> tracer = dispatch_.tracer->begin_warp(index);
     std::exception_ptr failure;
     try {
-      warp.run(tracer.get(), first, lanes);
+      run_lanes(warp, tracer.get(), index, index + 1);
     } catch (...) {
       failure = std::current_exception();
     }

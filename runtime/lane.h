@@ -2,7 +2,7 @@
 
 // One lane of a warp: a ray generation thread and every shader that descends from it.
 
-#include <rayloom/base/fiber.h>
+#include <rayloom/base/fiber_context.h>
 #include <rayloom/runtime/dispatch_context.h>
 #include <rayloom/runtime/invocation.h>
 
@@ -18,12 +18,12 @@ struct RayFrame;
 /// Host stack left for a shader's own frames and for what it calls in the engine.
 inline constexpr uint64_t host_stack_reserve = 32 * 1024;
 
-/// Made once a workspace; what changes from warp to warp is set by Warp::begin_lane().
+/// Warp::begin() sets what makes it this thread of the grid and no other.
 struct Lane : LaneIdentity {
   Warp* warp = nullptr;
   const DispatchContext* context = nullptr;
   DispatchStatistics* counts = nullptr;
-  Fiber* fiber = nullptr;       ///< null in direct mode
+  Fiber::Context* fiber = nullptr;  ///< null in direct mode
   RayFrame* pending = nullptr;  ///< the ray this lane waits for
   std::exception_ptr failure;   ///< why the lane died; its first failure stays
   uint64_t stack_used = 0;      ///< of the pipeline stack size, in declared bytes (RC-05)

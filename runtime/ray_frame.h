@@ -26,10 +26,9 @@ struct RayFrame {
 
   Lane* lane;
   const TraceRayArguments* arguments;
-  uint traversal_flags = 0;         ///< with the pipeline's, which shaders do not see (SV-26)
   const TopLevel* scene = nullptr;  ///< null: the ray misses
   void* payload;
-  TypeInfo payload_type;
+  const TypeInfo& payload_type;
   std::exception_ptr failure = nullptr;  ///< what an any-hit or intersection shader threw
   const accel::Hit* hit = nullptr;       ///< known when the lane goes on, and until its next shader begins
   ReportedAttributes reported;           ///< of the last accepted report (IS-10)

@@ -30,6 +30,12 @@ void check_may_trace(Lane& lane) {
   lane.check_host_stack(0);
 }
 
+void validate_structure(const Lane& lane, uint64_t address) {
+  if (address == 0) return;
+  const TopLevel& scene = lane.dispatch().structures.find(address);
+  if (!scene.block) lane.report(scene.row, [&] { return scene.problem; });
+}
+
 void validate_call(const Lane& lane, const TraceRayArguments& arguments, const TypeInfo& payload_type) {
   const Pipeline& pipeline = lane.dispatch().pipeline;
   validate_ray(lane, arguments, pipeline.config.Flags);
@@ -38,16 +44,9 @@ void validate_call(const Lane& lane, const TraceRayArguments& arguments, const T
       return "TraceRay with a payload of " + std::to_string(payload_type.bytes) + " bytes, MaxPayloadSizeInBytes is " +
              std::to_string(pipeline.shader_config.MaxPayloadSizeInBytes);
     });
+  validate_structure(lane, arguments.structure);
 }
 
-/// A null structure and one that cannot be traced both miss (TR-03, TL-11, TL-12).
-const TopLevel* find_scene(Lane& lane, uint64_t address) {
-  if (address == 0) return nullptr;
-  const TopLevel& scene = lane.warp->structure(address);
-  if (scene.block) return &scene;
-  lane.report(scene.row, [&] { return scene.problem; });
-  return nullptr;
-}
 
 BuiltInTriangleIntersectionAttributes barycentrics(const accel::Hit& hit) { return {float2(hit.u, hit.v)}; }
 
@@ -121,8 +120,6 @@ void trace_ray(Invocation& caller, TraceRayArguments& arguments, void* payload, 
     validate_call(lane, arguments, payload_type);
   arguments.flags &= defined_ray_flags;
   RayFrame frame(lane, arguments, payload, payload_type);
-  frame.traversal_flags = arguments.flags | lane.dispatch().pipeline.config.Flags;
-  frame.scene = find_scene(lane, arguments.structure);
   ++lane.statistics().rays;
   lane.warp->trace(lane, frame);
   if (frame.failure) [[unlikely]]

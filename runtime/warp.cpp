@@ -46,143 +46,153 @@ void run_lane(Lane& lane) {
   }
 }
 
-TraceCall call_of(const RayFrame& frame, const accel::TraceRequest& request) {
-  return {frame.lane->number, frame.scene ? frame.arguments->structure : 0, frame.payload_type.bytes, request, {}};
-}
-
 }  // namespace
 
 Warp::Warp(const DispatchContext& dispatch)
     : dispatch_(dispatch),
       grid_(dispatch.desc().Width, dispatch.desc().Height, 0),
-      lanes_(dispatch.warp_size),
       waiting_(dispatch.warp_size),
-      requests_(dispatch.warp_size),
-      hits_(dispatch.warp_size) {
-  const DISPATCH_RAYS_DESC& desc = dispatch.desc();
+      batch_(dispatch, dispatch.warp_size) {
+  if (dispatch.mode == ExecutionMode::direct) return;
   for (uint32_t i = 0; i < dispatch.warp_size; ++i) {
-    Lane& lane = lanes_[i];
-    lane.dimensions = {desc.Width, desc.Height, desc.Depth};
-    lane.warp = this;
-    lane.context = &dispatch;
-    lane.counts = &statistics_;
-    lane.number = i;
-    if (dispatch.mode == ExecutionMode::direct) continue;
     fibers_.emplace_back(static_cast<size_t>(dispatch.fiber_stack_bytes), i);
     fibers_.back().start(fiber_entry, this);
   }
+  for (size_t i = fibers_.size(); i > 0; --i) free_.push_back(&fibers_[i - 1].context());
+  free_count_ = dispatch.warp_size;
 }
 
-void Warp::run(WarpTracer* tracer, uint64_t first_lane, uint32_t lane_count) {
+void Warp::run(WarpTracer* tracer, uint64_t first_lane, uint64_t lane_count) {
   tracer_ = tracer;
   first_lane_ = first_lane;
   lane_count_ = lane_count;
   observer_ = &shader_memory.observer;
-  begun_ = fibers_used_ = waiting_count_ = traced_ = resumed_ = 0;
+  begun_ = ended_ = 0;
   grid_ = GridWalk(dispatch_.desc().Width, dispatch_.desc().Height, first_lane);
   dispatch_.mode == ExecutionMode::warp ? run_on_fibers() : run_directly();
-  std::exception_ptr failure;
-  for (Lane& lane : lanes_) {
-    if (!lane.failure) [[likely]]
-      continue;
-    if (!failure) failure = lane.failure;
-    lane.failure = nullptr;
-  }
-  if (failure) std::rethrow_exception(failure);
+  if (failure_) std::rethrow_exception(std::exchange(failure_, nullptr));
 }
 
-/// The next lane that has not begun, ready to run; null when all have.
-inline Lane* Warp::begin_lane() {
-  if (begun_ == lane_count_) return nullptr;
-  Lane& lane = lanes_[begun_];
+inline Lane Warp::new_lane() {
+  const DISPATCH_RAYS_DESC& desc = dispatch_.desc();
+  Lane lane;
+  lane.dimensions = {desc.Width, desc.Height, desc.Depth};
+  lane.warp = this;
+  lane.context = &dispatch_;
+  lane.counts = &statistics_;
+  return lane;
+}
+
+/// `lane` becomes the next of the grid.
+inline void Warp::begin(Lane& lane) {
   const GridIndex& at = *grid_;
   lane.index = {at.x, at.y, at.z};
   lane.linear_index = first_lane_ + begun_;
-  lane.observer = {tracer_, begun_};
+  lane.number = static_cast<uint32_t>(begun_);
+  lane.observer = {tracer_, lane.number};
   ++begun_;
   ++grid_;
-  return &lane;
+  enter(lane);
+}
+
+inline void Warp::finish(Lane& lane) {
+  ++ended_;
+  if (!lane.failure) [[likely]]
+    return;
+  if (!failure_ || lane.linear_index < failed_lane_) {
+    failure_ = lane.failure;
+    failed_lane_ = lane.linear_index;
+  }
+  lane.failure = nullptr;
 }
 
 void Warp::run_directly() {
   thread_local const uintptr_t limit = thread_stack_limit();
-  while (Lane* const lane = begin_lane()) {
-    lane->stack_limit = limit;
-    enter(*lane);
-    run_lane(*lane);
+  Lane lane = new_lane();
+  lane.stack_limit = limit;
+  while (begun_ < lane_count_) {
+    begin(lane);
+    run_lane(lane);
+    finish(lane);
   }
   *observer_ = nullptr;
 }
 
-/// A fiber begins lanes until one of them waits, and goes on to begin others, of this or a later warp, when it is free.
+/// A fiber's lanes, of this run and later ones, one after another. All that a lane has lies on its own stack.
 void Warp::fiber_entry(void* argument) {
   Warp& warp = *static_cast<Warp*>(argument);
-  Fiber& fiber = warp.fibers_[warp.fibers_used_ - 1];
+  Fiber::Context& fiber = *warp.free_[warp.free_count_];
   const auto top = reinterpret_cast<uintptr_t>(__builtin_frame_address(0));
   constexpr uintptr_t used_above = 4096;
-  const uintptr_t limit = top - (warp.dispatch_.fiber_stack_bytes - used_above);
+  Lane lane = warp.new_lane();
+  lane.fiber = &fiber;
+  lane.stack_limit = top - (warp.dispatch_.fiber_stack_bytes - used_above);
   for (;;) {
-    while (Lane* const lane = warp.begin_lane()) {
-      lane->fiber = &fiber;
-      lane->stack_limit = limit;
-      warp.enter(*lane);
-      run_lane(*lane);
-    }
+    do {
+      warp.begin(lane);
+      run_lane(lane);
+      warp.finish(lane);
+    } while (warp.goes_on());
+    warp.free_[warp.free_count_++] = &fiber;
     warp.give_turn(fiber);
   }
+}
+
+/// Lanes that begin together have rays that go together, so it is worth waiting until some can.
+bool Warp::may_begin() const {
+  constexpr uint32_t worth_beginning = 16;
+  if (free_count_ == 0 || begun_ == lane_count_) return false;
+  return waiting_count_ == 0 || free_count_ >= std::min(worth_beginning, dispatch_.warp_size / 2);
+}
+
+/// Until all lanes under way wait.
+void Warp::take_turns() {
+  Fiber::Context* const first = next_fiber();
+  if (!first) return;
+  first->resume_in_same_modes();
+  if (!(FloatModes::current() == FloatModes::fixed())) [[unlikely]]
+    FloatModes::fixed().set();  // a shader has left others
+  *observer_ = nullptr;
 }
 
 void Warp::run_on_fibers() {
   uint64_t outer_exceptions[2];
   exception_state_ = thread_exception_state();
   move_exception_state(exception_state_, outer_exceptions);
-  while (Fiber* const fiber = next_fiber()) {
-    fiber->context().resume_in_same_modes();
-    if (!(FloatModes::current() == FloatModes::fixed())) [[unlikely]]
-      FloatModes::fixed().set();  // a shader has left others
-    *observer_ = nullptr;
-    if (waiting_count_ != 0) trace_waiting();
-  }
+  waiting_count_ = traced_ = resumed_ = 0;
+  do {
+    beginning_ = false;
+    take_turns();
+    if (may_begin()) {
+      beginning_ = at_once_ = true;
+      take_turns();
+    }
+  } while (trace_waiting());
   move_exception_state(outer_exceptions, exception_state_);
 }
 
-/// Traces the gathered frames; their lanes are next to run.
-void Warp::trace_waiting() {
+/// Traces the gathered frames; their lanes are next to run. False: there are none.
+bool Warp::trace_waiting() {
+  if (waiting_count_ == 0) return false;
+  // A fiber goes from lane to lane at once where lanes end together, as they do that trace as many rays each.
+  at_once_ = 4 * ended_ >= 3 * uint64_t{traced_};
+  ended_ = 0;
   traced_ = std::exchange(waiting_count_, 0);
   resumed_ = 0;
   try {
-    if (tracer_) return trace_by_tracer(traced_);
-    accel::trace(dispatch_.memory.addresses(), {requests_.data(), traced_}, {hits_.data(), traced_});
+    batch_.trace(tracer_);
   } catch (...) {
     // The lanes are suspended inside their shaders: each must be told, to unwind on its own stack.
-    for (uint32_t i = 0; i < traced_; ++i) waiting_[i]->failure = std::current_exception();
+    for (uint32_t i = 0; i < traced_; ++i) waiting_[i].frame->failure = std::current_exception();
+    batch_.clear();
   }
-}
-
-void Warp::trace_by_tracer(size_t count) {
-  calls_.clear();
-  for (size_t i = 0; i < count; ++i) calls_.push_back(call_of(*waiting_[i], requests_[i]));
-  tracer_->trace(calls_);
-  for (size_t i = 0; i < count; ++i) hits_[i] = calls_[i].hit;
+  return true;
 }
 
 /// Direct mode.
 void Warp::trace_now(RayFrame& frame) {
-  accel::TraceRequest& request = requests_[0];
-  fill_request(request, frame);
-  frame.hit = &hits_[0];
-  if (!tracer_) {
-    hits_[0] = accel::trace(dispatch_.memory.addresses(), request);
-  } else {
-    TraceCall call = call_of(frame, request);
-    tracer_->trace({&call, 1});
-    hits_[0] = call.hit;
-  }
-}
-
-void Warp::change_structure(uint64_t address) {
-  structure_ = &dispatch_.structures.find(address);
-  structure_address_ = address;
+  hit_ = batch_.trace_now(frame, tracer_);
+  frame.hit = &hit_;
 }
 
 }  // namespace rayloom::detail

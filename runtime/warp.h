@@ -1,22 +1,21 @@
 #pragma once
 
-// Runs warps of lanes, one after another, on one thread. In warp mode a lane that traces keeps its fiber and gives its
-// turn to the next lane: all run in order until each waits for a ray or is done, the waiting rays are traced as one
-// batch, and so on until all are done. A lane that never traces costs no switch, for the next one begins on the same
-// fiber.
+// Runs the lanes of a part of a grid on one thread. In warp mode a number of lanes are under way at a time, each on a
+// fiber. One that traces keeps its fiber and gives its turn to the next; when all wait, their rays are traced as one
+// batch and they go on, in order. A lane that ends is followed by the next of the part, on the same stack, so that
+// batches stay full; lanes that go together are begun together, so that their rays stay neighbours.
 
 #include <rayloom/base/fiber_context.h>
 #include <rayloom/runtime/grid_order.h>
 #include <rayloom/runtime/lane.h>
-#include <rayloom/runtime/ray_frame.h>
+#include <rayloom/runtime/ray_batch.h>
 
-#include <cstring>
 #include <utility>
 #include <vector>
 
 namespace rayloom::detail {
 
-/// Lives as long as the dispatch; threads hand it on between warps, never within one.
+/// Lives as long as the dispatch; threads hand it on between parts, never within one.
 class Warp {
  public:
   explicit Warp(const DispatchContext& dispatch);
@@ -25,57 +24,58 @@ class Warp {
 
   /// Runs lanes first_lane .. first_lane + lane_count - 1 of the grid, by linear index, to their ends. Null tracer:
   /// accel. Then throws the failure of the lowest lane that has one.
-  void run(WarpTracer* tracer, uint64_t first_lane, uint32_t lane_count);
+  void run(WarpTracer* tracer, uint64_t first_lane, uint64_t lane_count);
 
-  /// Of all warps run so far.
+  /// Of all parts run so far.
   const DispatchStatistics& statistics() const { return statistics_; }
-  /// What lies at an address other than 0.
-  const TopLevel& structure(uint64_t address) {
-    if (address != structure_address_) [[unlikely]]
-      change_structure(address);
-    return *structure_;
-  }
   /// Called by a lane: returns when frame.hit is known. Inlined for what fiber_context.h says.
   [[gnu::always_inline]] void trace(Lane& lane, RayFrame& frame);
 
  private:
+  /// A fiber whose lane waits for a hit.
+  struct Waiting {
+    Fiber::Context* fiber;
+    RayFrame* frame;
+  };
+
   static void fiber_entry(void* warp);
   void run_on_fibers();
+  void take_turns();
   void run_directly();
-  Lane* begin_lane();
-  Fiber* next_fiber();
+  Lane new_lane();
+  void begin(Lane& lane);
+  void finish(Lane& lane);
+  bool goes_on() const { return at_once_ && begun_ < lane_count_; }
+  bool may_begin() const;
+  Fiber::Context* next_fiber();
   void enter(Lane& lane) const;
-  void give_turn(Fiber& fiber);
+  void give_turn(Fiber::Context& fiber);
   void suspend(Lane& lane);
-  void fill_request(accel::TraceRequest& request, RayFrame& frame) const;
-  accel::CandidateFunction candidate_function(const RayFrame& frame) const;
   void trace_now(RayFrame& frame);
-  void trace_waiting();
-  void trace_by_tracer(size_t count);
-  void change_structure(uint64_t address);
+  bool trace_waiting();
 
   const DispatchContext& dispatch_;
   WarpTracer* tracer_ = nullptr;
   GridWalk grid_;
-  uint64_t first_lane_ = 0;
-  uint32_t lane_count_ = 0;
-  uint32_t begun_ = 0;                 // lanes
-  uint32_t fibers_used_ = 0;           // by lanes that have begun
-  uint32_t waiting_count_ = 0;         // frames gathered for the next batch
-  uint32_t traced_ = 0, resumed_ = 0;  // frames of the last batch, and how many of them have gone on
-  // Of the thread that runs this warp: a fiber's frames outlive the warp and may go on in another thread.
+  uint64_t first_lane_ = 0, lane_count_ = 0;
+  uint64_t begun_ = 0, ended_ = 0;     // lanes
+  uint32_t waiting_count_ = 0;         // for the next batch
+  uint32_t traced_ = 0, resumed_ = 0;  // lanes of the last batch, and how many of them have gone on
+  uint32_t free_count_ = 0;            // fibers
+  bool beginning_ = false;             // free fibers may begin lanes
+  bool at_once_ = false;               // a fiber whose lane ends begins another
+  // Of the thread that runs this warp: a fiber's frames outlive the run and may go on in another thread.
   uint64_t* exception_state_ = nullptr;
   const LaneObserver** observer_ = nullptr;
 
-  std::vector<Lane> lanes_;
   std::vector<Fiber> fibers_;
-  std::vector<RayFrame*> waiting_;  // of the lanes that wait, in order
-  std::vector<accel::TraceRequest> requests_;
-  std::vector<accel::Hit> hits_;
-  std::vector<TraceCall> calls_;  // for tracers other than accel
+  std::vector<Fiber::Context*> free_;  // the next on top
+  std::vector<Waiting> waiting_;       // in order
+  RayBatch batch_;
+  accel::Hit hit_;  // direct mode
   DispatchStatistics statistics_;
-  uint64_t structure_address_ = 0;  // of the last structure traced
-  const TopLevel* structure_ = nullptr;
+  std::exception_ptr failure_;  // of the lowest lane that has one
+  uint64_t failed_lane_ = 0;
 };
 
 /// `lane` runs from here on.
@@ -84,16 +84,15 @@ inline void Warp::enter(Lane& lane) const {
     *observer_ = &lane.observer;
 }
 
-/// Whose turn it is: a free fiber's while there are lanes to begin, then those of the lanes that have their hits. Null:
-/// all wait or are done.
-inline Fiber* Warp::next_fiber() {
-  if (begun_ < lane_count_) return &fibers_[fibers_used_++];
-  return resumed_ < traced_ ? waiting_[resumed_++]->lane->fiber : nullptr;
+/// Whose turn it is: that of the next lane that has its hit, then of a fiber that may begin one. Null: neither.
+inline Fiber::Context* Warp::next_fiber() {
+  if (resumed_ < traced_) return waiting_[resumed_++].fiber;
+  return beginning_ && free_count_ != 0 && begun_ < lane_count_ ? free_[--free_count_] : nullptr;
 }
 
-[[gnu::always_inline]] inline void Warp::give_turn(Fiber& fiber) {
-  Fiber* const next = next_fiber();
-  next ? fiber.context().yield_in_same_modes_to(next->context()) : fiber.context().yield_in_same_modes();
+[[gnu::always_inline]] inline void Warp::give_turn(Fiber::Context& fiber) {
+  Fiber::Context* const next = next_fiber();
+  next ? fiber.yield_in_same_modes_to(*next) : fiber.yield_in_same_modes();
 }
 
 // The C++ runtime keeps the exceptions a thread is handling in 16 bytes (Itanium C++ ABI 2.2.2). Each lane gets its
@@ -113,31 +112,13 @@ inline void move_exception_state(uint64_t* from, uint64_t* to) {
   enter(lane);
 }
 
-inline accel::CandidateFunction Warp::candidate_function(const RayFrame& frame) const {
-  if (!dispatch_.pipeline.decides_candidates) return nullptr;
-  // A tracer of its own is told what the program is; accel only what can come up.
-  if (dispatch_.tracer || (frame.scene && frame.scene->asks(frame.traversal_flags))) return decide_candidate;
-  return nullptr;
-}
-
-inline void Warp::fill_request(accel::TraceRequest& request, RayFrame& frame) const {
-  std::memcpy(&request.ray, &frame.arguments->desc, sizeof(request.ray));
-  request.structure = frame.scene ? frame.scene->block : nullptr;
-  request.ray_flags = frame.traversal_flags;
-  request.instance_mask = frame.arguments->instance_mask & 0xFFu;
-  request.candidate = candidate_function(frame);
-  request.user = &frame;
-}
-
 inline void Warp::trace(Lane& lane, RayFrame& frame) {
   if (!lane.fiber) return trace_now(frame);
-  const uint32_t slot = waiting_count_++;
-  waiting_[slot] = &frame;
-  fill_request(requests_[slot], frame);
+  frame.hit = batch_.add(frame);
+  waiting_[waiting_count_++] = {lane.fiber, &frame};
   lane.pending = &frame;
   suspend(lane);
   lane.pending = nullptr;
-  frame.hit = &hits_[slot];
 }
 
 }  // namespace rayloom::detail
