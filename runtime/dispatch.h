@@ -10,14 +10,14 @@
 
 namespace rayloom {
 
-/// Warp: lanes run on fibers, and the rays of a warp are traced as one batch. Direct: lanes run one after another and
-/// trace each ray at once. Same results, same bits. Automatic: direct for pipelines declared with recursion depth 0
+/// Warp: lanes run on fibers, and the rays they wait for are traced as one batch. Direct: lanes run one after another
+/// and trace each ray at once. Same results, same bits. Automatic: direct for pipelines declared with recursion depth 0
 /// (they trace nothing) and for warps of one lane, unless a tracer is given; else warp.
 enum class ExecutionMode : uint8_t { automatic, warp, direct };
 
 struct DispatchOptions {
   ExecutionMode mode = ExecutionMode::automatic;
-  uint32_t warp_size = 32;         ///< 1..64 lanes
+  uint32_t warp_size = 32;         ///< 1..64 lanes, as many as are under way at a time
   Tracer* tracer = nullptr;        ///< null: the native one
   uint64_t fiber_stack_bytes = 0;  ///< 0: from the pipeline stack size, at least 256 KiB
 };

@@ -22,12 +22,12 @@ inline constexpr uint64_t host_stack_reserve = 32 * 1024;
 struct Lane : LaneIdentity {
   Warp* warp = nullptr;
   const DispatchContext* context = nullptr;
-  DispatchStatistics* counts = nullptr;
-  Fiber::Context* fiber = nullptr;  ///< null in direct mode
-  RayFrame* pending = nullptr;  ///< the ray this lane waits for
-  std::exception_ptr failure;   ///< why the lane died; its first failure stays
-  uint64_t stack_used = 0;      ///< of the pipeline stack size, in declared bytes (RC-05)
-  uintptr_t stack_limit = 0;    ///< lowest host stack address shaders may reach
+  DispatchStatistics* counts = nullptr;  ///< of its warp
+  Fiber::Context* fiber = nullptr;       ///< null in direct mode
+  RayFrame* pending = nullptr;           ///< the ray this lane waits for
+  std::exception_ptr failure;            ///< why the lane died; its first failure stays
+  uint64_t stack_used = 0;               ///< of the pipeline stack size, in declared bytes (RC-05)
+  uintptr_t stack_limit = 0;             ///< lowest host stack address shaders may reach
   uint32_t trace_depth = 0;
   uint32_t number = 0;  ///< in the warp
   uint64_t linear_index = 0;
@@ -35,7 +35,6 @@ struct Lane : LaneIdentity {
   LaneObserver observer{};
 
   const DispatchContext& dispatch() const { return *context; }
-  DispatchStatistics& statistics() const { return *counts; }
 
   /// Throws the failure again for shaders that swallowed it.
   void check_alive() const {

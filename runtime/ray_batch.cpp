@@ -48,7 +48,8 @@ void RayBatch::clear() {
 }
 
 RayBatch::Group& RayBatch::change_group(const TraceRayArguments& call) {
-  const auto found = std::find_if(groups_.begin(), groups_.end(), [&](const Group& group) { return group.takes(call); });
+  const auto found =
+      std::find_if(groups_.begin(), groups_.end(), [&](const Group& group) { return group.takes(call); });
   current_ = found != groups_.end() ? &*found : &unused_group();
   if (!current_->takes(call)) define(*current_, call);
   return *current_;

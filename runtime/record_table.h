@@ -1,11 +1,13 @@
 #pragma once
 
-// The shader tables of a running dispatch. They are checked once: a record inside of the checked part is found with a
-// multiplication and an addition.
+// The shader tables of a running dispatch. They are checked once, and what the first of their records name is looked up
+// (DR-08: tables are read when the command executes).
 
 #include <rayloom/runtime/dxr_types.h>
 #include <rayloom/runtime/pipeline.h>
 #include <rayloom/runtime/shader_memory.h>
+
+#include <vector>
 
 namespace rayloom::detail {
 
@@ -20,9 +22,9 @@ struct RecordTable {
 
   GPU_VIRTUAL_ADDRESS_RANGE_AND_STRIDE range;
   ExportKind kind;
-  const std::byte* host = nullptr;  ///< of record 0
-  const Export* first = nullptr;    ///< what record 0 names; null where select_record() must find out
-  uint64_t checked = 0;             ///< how many records from the first are known to lie in committed memory
+  const std::byte* host = nullptr;     ///< of record 0
+  uint64_t checked = 0;                ///< how many records from the first are known to lie in committed memory
+  std::vector<const Export*> targets;  ///< of the first checked records: what they name, null where it is unusual
 };
 
 }  // namespace rayloom::detail

@@ -23,7 +23,7 @@ class ShaderScope {
       exceed_pipeline_stack(lane, shader);
     lane.check_host_stack(stack_bytes_);
     lane.stack_used += stack_bytes_;
-    ++(lane.statistics().*stage_counters[static_cast<size_t>(code.stage)]);
+    ++(lane.counts->*stage_counters[static_cast<size_t>(code.stage)]);
     if (lane.dispatch().observed) [[unlikely]]
       lane.observer.tracer->begin_shader(lane.number, shader, record_address);
   }

@@ -8,6 +8,7 @@
 #include <rayloom/runtime/tracer.h>
 
 #include <cstring>
+#include <new>
 #include <type_traits>
 
 namespace rayloom {
@@ -51,27 +52,46 @@ struct ShaderMemory {
 
 inline thread_local constinit ShaderMemory shader_memory{};
 
+[[gnu::cold, gnu::noinline]] inline void tell_access(const LaneObserver& observer, AccessKind kind, uint64_t address,
+                                                     uint32_t bytes, const void* data) {
+  observer.tracer->access(observer.lane, kind, address, bytes, data);
+}
+
+/// Where it can, as an object: a value that a shader has just put together then goes from registers, not by way of
+/// the stack, where the processor would wait for its parts to arrive.
 template <class T>
-T load(uint64_t address) {
+[[gnu::always_inline]] inline void put(std::byte* host, const T& value) {
+  if (reinterpret_cast<uintptr_t>(host) % alignof(T) == 0) [[likely]] {
+    ::new (static_cast<void*>(host)) T(value);
+  } else {
+    const T copy = value;
+    std::memcpy(host, static_cast<const void*>(&copy), sizeof(T));
+  }
+}
+
+template <class T>
+[[gnu::always_inline]] inline T load(uint64_t address) {
   static_assert(std::is_trivially_copyable_v<T> && sizeof(T) <= 65536);
   T value{};
   const ShaderMemory& memory = shader_memory;
-  if (const std::byte* host = memory.host(address, sizeof(T))) {
+  if (const std::byte* host = memory.host(address, sizeof(T))) [[likely]] {
     if (memory.observer) [[unlikely]]
-      memory.observer->tracer->access(memory.observer->lane, AccessKind::load, address, sizeof(T), nullptr);
+      tell_access(*memory.observer, AccessKind::load, address, sizeof(T), nullptr);
     std::memcpy(static_cast<void*>(&value), host, sizeof(T));
   }
   return value;
 }
 
 template <class T>
-void store(uint64_t address, const T& value) {
+[[gnu::always_inline]] inline void store(uint64_t address, const T& value) {
   static_assert(std::is_trivially_copyable_v<T> && sizeof(T) <= 65536);
   const ShaderMemory& memory = shader_memory;
-  if (std::byte* host = memory.host(address, sizeof(T))) {
-    if (memory.observer) [[unlikely]]
-      memory.observer->tracer->access(memory.observer->lane, AccessKind::store, address, sizeof(T), &value);
-    std::memcpy(host, static_cast<const void*>(&value), sizeof(T));
+  if (std::byte* host = memory.host(address, sizeof(T))) [[likely]] {
+    if (memory.observer) [[unlikely]] {
+      const T copy = value;
+      tell_access(*memory.observer, AccessKind::store, address, sizeof(T), &copy);
+    }
+    put(host, value);
   }
 }
 

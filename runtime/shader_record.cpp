@@ -8,6 +8,8 @@ namespace rayloom::detail {
 namespace {
 
 constexpr ShaderIdentifier null_identifier{};
+/// Records of a table; dispatches of few threads should not wait for large tables.
+constexpr uint64_t most_looked_up = 1024;
 
 const char* table_name(ExportKind kind) {
   switch (kind) {
@@ -44,8 +46,11 @@ RecordTable::RecordTable(const ShaderMemory& memory, const Pipeline& pipeline,
   if (!locate(memory, 0) || !memory.committed_all(table.StartAddress, table.SizeInBytes)) return;
   host = memory.host(table.StartAddress, SHADER_IDENTIFIER_SIZE_IN_BYTES);
   checked = table.StrideInBytes ? table.SizeInBytes / table.StrideInBytes : std::numeric_limits<uint64_t>::max();
-  const Export* const named = pipeline.find(host);
-  if (named && named->kind == kind) first = named;
+  targets.resize(std::min(checked, table.StrideInBytes ? most_looked_up : 1));
+  for (size_t i = 0; i < targets.size(); ++i) {
+    const Export* const named = pipeline.find(host + i * table.StrideInBytes);
+    if (named && named->kind == kind) targets[i] = named;
+  }
 }
 
 SelectedRecord select_unusual_record(const Lane& lane, const RecordTable& table, uint64_t index) {

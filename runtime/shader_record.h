@@ -23,12 +23,16 @@ SelectedRecord select_unusual_record(const Lane& lane, const RecordTable& table,
 
 /// A record must name an export of the table's kind; anything else counts as NULL and is reported.
 inline SelectedRecord select_record(const Lane& lane, const RecordTable& table, uint64_t index) {
-  if (index < table.checked) [[likely]] {
-    const uint64_t offset = index * table.range.StrideInBytes;
-    const Export* const target = lane.dispatch().pipeline.find(table.host + offset);
-    if (target && target->kind == table.kind) [[likely]]
-      return {target, table.range.StartAddress + offset};
+  const uint64_t offset = index * table.range.StrideInBytes;
+  const Export* target = nullptr;
+  if (index < table.targets.size()) [[likely]] {
+    target = table.targets[index];
+  } else if (index < table.checked) {
+    const Export* const named = lane.dispatch().pipeline.find(table.host + offset);
+    if (named && named->kind == table.kind) target = named;
   }
+  if (target) [[likely]]
+    return {target, table.range.StartAddress + offset};
   return select_unusual_record(lane, table, index);
 }
 

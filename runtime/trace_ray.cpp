@@ -17,7 +17,7 @@ class DepthScope {
   Lane& lane_;
 };
 
-[[noreturn]] void exceed_depth(Lane& lane) {
+[[noreturn, gnu::cold, gnu::noinline]] void exceed_depth(Lane& lane) {
   lane.remove_device("RC-01: TraceRay at recursion depth " + std::to_string(lane.trace_depth) +
                      ", the pipeline declares MaxTraceRecursionDepth " +
                      std::to_string(lane.dispatch().pipeline.config.MaxTraceRecursionDepth));
@@ -36,7 +36,8 @@ void validate_structure(const Lane& lane, uint64_t address) {
   if (!scene.block) lane.report(scene.row, [&] { return scene.problem; });
 }
 
-void validate_call(const Lane& lane, const TraceRayArguments& arguments, const TypeInfo& payload_type) {
+[[gnu::cold, gnu::noinline]] void validate_call(const Lane& lane, const TraceRayArguments& arguments,
+                                                const TypeInfo& payload_type) {
   const Pipeline& pipeline = lane.dispatch().pipeline;
   validate_ray(lane, arguments, pipeline.config.Flags);
   if (payload_type.bytes > pipeline.shader_config.MaxPayloadSizeInBytes)
@@ -47,25 +48,33 @@ void validate_call(const Lane& lane, const TraceRayArguments& arguments, const T
   validate_structure(lane, arguments.structure);
 }
 
-
 BuiltInTriangleIntersectionAttributes barycentrics(const accel::Hit& hit) { return {float2(hit.u, hit.v)}; }
+
+[[gnu::cold, gnu::noinline]] void report_attributes(const RayFrame& frame, uint32_t shader) {
+  const std::string& name = frame.lane->dispatch().pipeline.shaders[shader].name;
+  frame.lane->report("IS-14", [&] { return "closest-hit shader '" + name + "' takes other attributes"; });
+}
 
 /// STG-12, IS-14: the shader must take the attributes the hit has.
 bool takes_attributes(const RayFrame& frame, uint32_t shader) {
-  const Pipeline& pipeline = frame.lane->dispatch().pipeline;
   const bool triangle = frame.hit->type == accel::HitType::triangle;
-  const TypeInfo given = triangle ? type_info_of<BuiltInTriangleIntersectionAttributes>() : frame.reported.type;
-  if (pipeline.code[shader].attributes == given) return true;
-  frame.lane->report(
-      "IS-14", [&] { return "closest-hit shader '" + pipeline.shaders[shader].name + "' takes other attributes"; });
+  const TypeInfo& given = triangle ? type_info_of<BuiltInTriangleIntersectionAttributes>() : frame.reported.type;
+  if (frame.lane->dispatch().pipeline.code[shader].attributes == given) [[likely]]
+    return true;
+  report_attributes(frame, shader);
   return false;
+}
+
+[[gnu::cold, gnu::noinline]] void report_group(const RayFrame& frame, const HitGroup& group) {
+  frame.lane->report("ST-20", [&] { return "hit group '" + group.name + "' does not fit the primitive that was hit"; });
 }
 
 /// ST-20: the group's type must be the primitive's.
 bool fits_group(const RayFrame& frame, const HitGroup& group) {
   const bool triangle = frame.hit->type == accel::HitType::triangle;
-  if (triangle == (group.type == HIT_GROUP_TYPE_TRIANGLES)) return true;
-  frame.lane->report("ST-20", [&] { return "hit group '" + group.name + "' does not fit the primitive that was hit"; });
+  if (triangle == (group.type == HIT_GROUP_TYPE_TRIANGLES)) [[likely]]
+    return true;
+  report_group(frame, group);
   return false;
 }
 
@@ -102,7 +111,7 @@ void run_miss(RayFrame& frame) {
 /// What runs after the search: closest hit, miss, or nothing (TR-04).
 void shade(RayFrame& frame) {
   if (!*frame.hit) return run_miss(frame);
-  ++frame.lane->statistics().hits;
+  ++frame.lane->counts->hits;
   if (!(frame.arguments->flags & RAY_FLAG_SKIP_CLOSEST_HIT_SHADER)) run_closest_hit(frame);
 }
 
@@ -120,7 +129,7 @@ void trace_ray(Invocation& caller, TraceRayArguments& arguments, void* payload, 
     validate_call(lane, arguments, payload_type);
   arguments.flags &= defined_ray_flags;
   RayFrame frame(lane, arguments, payload, payload_type);
-  ++lane.statistics().rays;
+  ++lane.counts->rays;
   lane.warp->trace(lane, frame);
   if (frame.failure) [[unlikely]]
     std::rethrow_exception(frame.failure);

@@ -28,13 +28,10 @@ uintptr_t thread_stack_limit() {
 
 void run_ray_generation(Lane& lane) {
   const RecordTable& table = lane.dispatch().ray_generation;
-  const Export* target = table.first;
-  if (!target) [[unlikely]] {
-    target = select_record(lane, table, 0).target;
-    if (!target) return;
-  }
-  Invocation invocation{&lane, nullptr, nullptr, 0, {&table, table.range.StartAddress}};
-  run_shader(invocation, target->index, nullptr, nullptr);
+  const SelectedRecord selected = select_record(lane, table, 0);
+  if (!selected.target) return;
+  Invocation invocation{&lane, nullptr, nullptr, 0, {&table, selected.address}};
+  run_shader(invocation, selected.target->index, nullptr, nullptr);
 }
 
 /// A lane from beginning to end; nothing is thrown out of it.
@@ -51,7 +48,7 @@ void run_lane(Lane& lane) {
 Warp::Warp(const DispatchContext& dispatch)
     : dispatch_(dispatch),
       grid_(dispatch.desc().Width, dispatch.desc().Height, 0),
-      waiting_(dispatch.warp_size),
+      waiting_(dispatch.warp_size + lookahead),
       batch_(dispatch, dispatch.warp_size) {
   if (dispatch.mode == ExecutionMode::direct) return;
   for (uint32_t i = 0; i < dispatch.warp_size; ++i) {

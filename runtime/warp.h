@@ -38,7 +38,10 @@ class Warp {
     RayFrame* frame;
   };
 
+  static constexpr uint32_t lookahead = 2;  // lanes
+
   static void fiber_entry(void* warp);
+  static void prefetch(const Waiting& waiting);
   void run_on_fibers();
   void take_turns();
   void run_directly();
@@ -84,9 +87,19 @@ inline void Warp::enter(Lane& lane) const {
     *observer_ = &lane.observer;
 }
 
+/// What a lane that waits looks at first: `waiting` may be any entry.
+inline void Warp::prefetch(const Waiting& waiting) {
+  const auto* const frame = reinterpret_cast<const std::byte*>(waiting.frame);
+  __builtin_prefetch(waiting.fiber);
+  for (int line = -4; line < 10; ++line) __builtin_prefetch(frame + line * 64);
+}
+
 /// Whose turn it is: that of the next lane that has its hit, then of a fiber that may begin one. Null: neither.
 inline Fiber::Context* Warp::next_fiber() {
-  if (resumed_ < traced_) return waiting_[resumed_++].fiber;
+  if (resumed_ < traced_) {
+    prefetch(waiting_[resumed_ + lookahead]);
+    return waiting_[resumed_++].fiber;
+  }
   return beginning_ && free_count_ != 0 && begun_ < lane_count_ ? free_[--free_count_] : nullptr;
 }
 

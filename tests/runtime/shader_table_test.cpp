@@ -103,6 +103,29 @@ TEST_CASE("ST-03: stride 0 selects the first record; ST-13: miss index") {
   CHECK(program.trace(7, 0) == 0);
 }
 
+TEST_CASE("ST-07: every record of a long table names its own shader") {
+  constexpr uint records = 1500;  // more than are looked up before the dispatch
+  Program program;
+  const Buffer log = program.counters(records);
+  const auto out = log.rw_structured<uint>();
+  program.shaders.RayGeneration("rg", [=](RayGenContext& ctx) {
+    const uint index = ctx.DispatchRaysIndex().x;
+    Value payload{0};
+    ctx.TraceRay({}, 0, 0xFF, 0, 0, index, straight_ray(), payload);
+    out[index] = payload.value;
+  });
+  program.shaders.Miss("one", [](MissContext&, Value& payload) { payload.value = 1; });
+  program.shaders.Miss("two", [](MissContext&, Value& payload) { payload.value = 2; });
+  std::vector<std::string> names;
+  for (uint i = 0; i < records; ++i) names.push_back(i % 3 == 0 ? "" : i % 3 == 1 ? "one" : "two");
+  program.create("rg", names);
+  program.run(records);
+  uint wrong = 0;
+  for (uint i = 0; i < records; ++i) wrong += log.as<uint>()[i] != i % 3;
+  CHECK(wrong == 0);
+  CHECK(program.messages.empty());
+}
+
 TEST_CASE("ST-04, ST-05: slack between records and garbage in unused ones") {
   IdProgram program(0, {1});
   Buffer table = program.device.create_buffer(4 * 128);
