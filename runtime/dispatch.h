@@ -17,7 +17,7 @@ enum class ExecutionMode : uint8_t { automatic, warp, direct };
 
 struct DispatchOptions {
   ExecutionMode mode = ExecutionMode::automatic;
-  uint32_t warp_size = 32;         ///< 1..64 lanes, as many as are under way at a time
+  uint32_t warp_size = 32;         ///< 1..64 lanes; without a tracer twice as many are under way at a time
   Tracer* tracer = nullptr;        ///< null: the native one
   uint64_t fiber_stack_bytes = 0;  ///< 0: from the pipeline stack size, at least 256 KiB
 };

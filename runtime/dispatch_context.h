@@ -22,6 +22,7 @@ struct DispatchContext {
   ValidationLog& log;
   ExecutionMode mode;  // warp or direct
   uint32_t warp_size;
+  uint32_t lanes;  // under way at a time, on a fiber each: a warp where a tracer watches, else two
   uint64_t fiber_stack_bytes;
   bool observed;   // the tracer wants to see shaders
   bool validates;  // someone listens to the log

@@ -205,6 +205,7 @@ DispatchReport dispatch_rays(const DispatchCommand& command, const DispatchOptio
        .log = log,
        .mode = choose_mode(command, options),
        .warp_size = options.warp_size,
+       .lanes = options.tracer ? options.warp_size : 2 * options.warp_size,
        .fiber_stack_bytes = fiber_stack_bytes(command, options),
        .observed = options.tracer && options.tracer->observes_shaders(),
        .validates = log.enabled(),

@@ -48,15 +48,15 @@ void run_lane(Lane& lane) {
 Warp::Warp(const DispatchContext& dispatch)
     : dispatch_(dispatch),
       grid_(dispatch.desc().Width, dispatch.desc().Height, 0),
-      waiting_(dispatch.warp_size + lookahead),
-      batch_(dispatch, dispatch.warp_size) {
+      waiting_(dispatch.lanes + lookahead),
+      batch_(dispatch, dispatch.lanes) {
   if (dispatch.mode == ExecutionMode::direct) return;
-  for (uint32_t i = 0; i < dispatch.warp_size; ++i) {
+  for (uint32_t i = 0; i < dispatch.lanes; ++i) {
     fibers_.emplace_back(static_cast<size_t>(dispatch.fiber_stack_bytes), i);
     fibers_.back().start(fiber_entry, this);
   }
   for (size_t i = fibers_.size(); i > 0; --i) free_.push_back(&fibers_[i - 1].context());
-  free_count_ = dispatch.warp_size;
+  free_count_ = dispatch.lanes;
 }
 
 void Warp::run(WarpTracer* tracer, uint64_t first_lane, uint64_t lane_count) {
@@ -139,7 +139,7 @@ void Warp::fiber_entry(void* argument) {
 bool Warp::may_begin() const {
   constexpr uint32_t worth_beginning = 16;
   if (free_count_ == 0 || begun_ == lane_count_) return false;
-  return waiting_count_ == 0 || free_count_ >= std::min(worth_beginning, dispatch_.warp_size / 2);
+  return waiting_count_ == 0 || free_count_ >= std::min(worth_beginning, dispatch_.lanes / 2);
 }
 
 /// Until all lanes under way wait.
