@@ -38,7 +38,7 @@ class Warp {
     RayFrame* frame;
   };
 
-  static constexpr uint32_t lookahead = 2;  // lanes
+  static constexpr uint32_t lookahead = 2;  // lanes whose memory is fetched ahead of their turn
 
   static void fiber_entry(void* warp);
   static void prefetch(const Waiting& waiting);
@@ -87,11 +87,13 @@ inline void Warp::enter(Lane& lane) const {
     *observer_ = &lane.observer;
 }
 
-/// What a lane that waits looks at first: `waiting` may be any entry.
+/// What a lane that waits looks at first: its fiber's state and, around the frame of its TraceRay, its own frames.
+/// `waiting` may be an entry out of use, whose pointers lead anywhere.
 inline void Warp::prefetch(const Waiting& waiting) {
-  const auto* const frame = reinterpret_cast<const std::byte*>(waiting.frame);
+  constexpr uintptr_t line = 64, lines_below = 4, lines = 14;
+  const uintptr_t lowest = reinterpret_cast<uintptr_t>(waiting.frame) - lines_below * line;
   __builtin_prefetch(waiting.fiber);
-  for (int line = -4; line < 10; ++line) __builtin_prefetch(frame + line * 64);
+  for (uintptr_t i = 0; i < lines; ++i) __builtin_prefetch(reinterpret_cast<const void*>(lowest + i * line));
 }
 
 /// Whose turn it is: that of the next lane that has its hit, then of a fiber that may begin one. Null: neither.
