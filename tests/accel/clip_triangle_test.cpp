@@ -1,4 +1,5 @@
 #include <rayloom/accel/clip_triangle.h>
+#include <rayloom/tests/repetitions.h>
 
 #include <catch2/catch.hpp>
 
@@ -82,7 +83,7 @@ template <class Coordinate>
 void check_covers(uint64_t seed, const Coordinate& coordinate) {
   Random random(seed);
   size_t missed = 0;
-  for (int i = 0; i < 20000; ++i) {
+  for (int i = 0; i < rayloom::test::repetitions(20000); ++i) {
     const Case c = make_case(random, [&] { return coordinate(random); });
     Box cell = bounds_of(c.triangle);
     missed += lost(c, cell, random);

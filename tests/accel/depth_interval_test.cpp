@@ -2,6 +2,7 @@
 
 #include <rayloom/accel/depth_interval.h>
 #include <rayloom/accel/simd/lanes_scalar.h>
+#include <rayloom/tests/repetitions.h>
 
 #include <catch2/catch.hpp>
 #include <cstdio>
@@ -63,7 +64,7 @@ TEST_CASE("certain hits called outside are outside the interval, those called in
   int outside = 0, inside = 0, open = 0;
   for (const Family family : all_families) {
     Random random(83 + static_cast<uint64_t>(family));
-    for (int i = 0; i < 60000; ++i) {
+    for (int i = 0; i < rayloom::test::repetitions(60000); ++i) {
       Case c = random_case(random, family);
       const auto hit = rational_hit(c.ray, c.triangle);
       if (!hit) continue;
@@ -86,8 +87,8 @@ TEST_CASE("certain hits called outside are outside the interval, those called in
     }
   }
   std::printf("%d certain hits outside, %d inside, %d open\n", outside, inside, open);
-  CHECK(outside > 5000);
-  CHECK(inside > 5000);
+  CHECK(outside > rayloom::test::repetitions(5000));
+  CHECK(inside > rayloom::test::repetitions(5000));
 }
 
 TEST_CASE("no depth beyond the outer limits belongs to a t in the interval, none between the inner ones to another") {

@@ -7,6 +7,7 @@
 #include <rayloom/accel/double_double.h>
 #include <rayloom/accel/simd/lanes_scalar.h>
 #include <rayloom/accel/triangle_determinants.h>
+#include <rayloom/tests/repetitions.h>
 
 #include <catch2/catch.hpp>
 #include <cstdio>
@@ -86,7 +87,7 @@ TEST_CASE("the filters' bounds hold and are not absurdly wide", "[oracle]") {
   for (const Family family : test::all_families) {
     Random random(61 + static_cast<uint64_t>(family));
     double family_float = 0, family_double = 0, family_pair = 0;
-    for (int i = 0; i < 15000; ++i) {
+    for (int i = 0; i < rayloom::test::repetitions(15000); ++i) {
       const Case c = test::random_case(random, family);
       const PreparedRay ray = prepare(c.ray);
       const ExactEdgeFunctions exact = exact_edge_functions(c);

@@ -7,6 +7,7 @@
 #include <rayloom/base/hash.h>
 #include <rayloom/scenes/gltf/load_gltf.h>
 #include <rayloom/scenes/summary.h>
+#include <rayloom/tests/repetitions.h>
 
 #include <catch2/catch.hpp>
 
@@ -99,9 +100,10 @@ bool survives(const std::vector<std::byte>& bytes) {
 void mutate(const std::vector<std::byte>& good, uint64_t seed) {
   REQUIRE(survives(good));
   int loaded = 0, refused = 0;
-  for (uint64_t i = 0; i < 6000; ++i) (survives(mutated(good, hash64(seed, i))) ? loaded : refused) += 1;
-  CHECK(loaded > 100);
-  CHECK(refused > 1000);
+  for (int i = 0; i < rayloom::test::repetitions(6000); ++i)
+    (survives(mutated(good, hash64(seed, static_cast<uint64_t>(i)))) ? loaded : refused) += 1;
+  CHECK(loaded > rayloom::test::repetitions(100));
+  CHECK(refused > rayloom::test::repetitions(1000));
 }
 
 }  // namespace
