@@ -46,10 +46,10 @@ class Fiber {
   Context& context() { return *context_; }
 
  private:
-  struct Unmap {
+  struct GiveBack {
     void operator()(Context* context) const;
   };
-  std::unique_ptr<Context, Unmap> context_;  // lies at the top of its own stack
+  std::unique_ptr<Context, GiveBack> context_;  // lies at the top of its own stack
 };
 
 }  // namespace rayloom

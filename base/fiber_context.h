@@ -10,7 +10,8 @@
 namespace rayloom {
 
 struct Fiber::Context {
-  Context(std::byte* mapping, std::size_t mapped, std::byte* stack_bottom, std::byte* stack_top);
+  /// `memory` is from take_stack(memory_bytes).
+  Context(std::byte* memory, std::size_t memory_bytes, std::byte* stack_top);
   ~Context();
 
   /// Fiber::resume().
@@ -39,7 +40,7 @@ struct Fiber::Context {
   /// First frame of the stack; never returns. A finished fiber waits here for its next function.
   static void entry(void* argument);
 
-  std::byte* begin;  // of the mapping: guard page, stack, this object
+  std::byte* begin;  // of the memory: stack, this object
   std::size_t bytes;
   unsigned valgrind_id;
   detail::Strand own;
