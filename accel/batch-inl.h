@@ -147,10 +147,20 @@ inline void trace_closest(AddressSpace addresses, const RayRun& rays, Hit* hits)
   trace_apart(addresses, rays, hits);
 }
 
+/// Rays that find nothing in an ordinary structure: it is lazy, or empty, or not wanted.
+[[gnu::noinline]] inline void trace_unentered(AddressSpace addresses, const RayRun& rays, Hit* hits) {
+  if (rays.shared->structure && is_lazy(header_of(rays.shared->structure)))
+    trace_lazily(addresses, rays, hits);
+  else
+    trace_one_by_one(addresses, rays, hits);
+}
+
 inline void trace_run(AddressSpace addresses, const RayRun& rays, Hit* hits) {
   constexpr size_t worth_interleaving = 4;
-  if (rays.shared->candidate || rays.count < worth_interleaving || !worth_entering(*rays.shared))
+  if (rays.shared->candidate || rays.count < worth_interleaving)
     trace_one_by_one(addresses, rays, hits);
+  else if (!worth_entering(*rays.shared))
+    trace_unentered(addresses, rays, hits);
   else if (any_hit(*rays.shared))
     interleave<Order::stored>(addresses, rays, hits);
   else
@@ -161,6 +171,8 @@ inline void trace_run(AddressSpace addresses, const RayRun& rays, Hit* hits) {
 inline void occlude_run(AddressSpace addresses, const RayRun& rays, uint8_t* results) {
   if (!rays.shared->candidate && worth_entering(*rays.shared))
     return interleave<Order::stored>(addresses, rays, results);
+  if (!rays.shared->candidate && rays.shared->structure && is_lazy(header_of(rays.shared->structure)))
+    return occlude_lazily(addresses, rays, results);
   TraceRequest request = *rays.shared;
   for (size_t i = 0; i < rays.count; ++i) {
     request.ray = rays[i];

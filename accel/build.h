@@ -48,6 +48,11 @@ uint64_t refit_bottom_level(std::span<const AabbGeometry> geometries, const Buil
 uint64_t refit_top_level(std::span<const InstanceDesc> instances, AddressSpace addresses, const BuildSettings& settings,
                          const std::byte* source, std::span<std::byte> result);
 
+/// Builds what is left of a lazy structure (build_flag::lazy), or of all lazy ones that a top level refers to. After
+/// that it is an ordinary structure, of the bytes that a build which is not lazy writes. Nothing may be traced through
+/// it meanwhile. `block` is a structure; one that is not lazy stays as it is.
+void complete_structure(std::byte* block, AddressSpace addresses = {});
+
 /// Builds keep up to 256 MiB of their scratch memory for the next build of the process. This gives it back.
 void release_build_scratch();
 
@@ -63,7 +68,10 @@ struct StructureInfo {
   uint64_t primitives = 0;         ///< counting inactive and degenerate ones (instances of a top level)
   uint64_t active_primitives = 0;  ///< those in leaves
   uint32_t geometries = 0;
-  double sah_cost = 0;  ///< expected node visits + leaf visits of a random ray that hits the root box
+  bool lazy = false;         ///< not yet complete, or a top level over such: depth, nodes, leaves, cost are of its top
+  uint64_t parts = 0;        ///< of a lazy bottom level
+  uint64_t built_parts = 0;  ///< those that rays came to so far
+  double sah_cost = 0;       ///< expected node visits + leaf visits of a random ray that hits the root box
   float bounds_min[3] = {}, bounds_max[3] = {};
 };
 

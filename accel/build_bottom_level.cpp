@@ -2,6 +2,7 @@
 #include <rayloom/accel/checks.h>
 #include <rayloom/accel/encode.h>
 #include <rayloom/accel/encoded_leaves.h>
+#include <rayloom/accel/lazy_build.h>
 #include <rayloom/accel/procedural_input.h>
 #include <rayloom/accel/ray.h>
 #include <rayloom/accel/sizes.h>
@@ -108,6 +109,11 @@ uint64_t build(std::span<const Geometry> geometries, PrimitiveRefs refs, const B
 uint64_t build_in_parts(std::span<const TriangleGeometry> geometries, const BuildSettings& settings,
                         std::span<std::byte> result) {
   StructureHeader header = header_for(StructureKind::triangles, settings, geometries);
+  if (builds_lazily(settings)) {
+    build_lazily(geometries, settings, header, result.data());
+    std::memcpy(result.data(), &header, sizeof(header));
+    return header.bytes;
+  }
   TreeInput input = tree_input(header.kind, header.primitive_count, settings);
   input.triangles = geometries;
   build_in_parts(input, header, result.data());

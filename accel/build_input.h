@@ -33,6 +33,9 @@ inline constexpr uint32_t allow_compaction = 0x2;
 inline constexpr uint32_t prefer_fast_trace = 0x4;
 inline constexpr uint32_t prefer_fast_build = 0x8;
 inline constexpr uint32_t minimize_memory = 0x10;
+/// Not D3D12's: bottom levels of triangles are built part by part, when rays come to them (lazy_build.h). Other
+/// structures are built as without it.
+inline constexpr uint32_t lazy = 0x80000000;
 }  // namespace build_flag
 
 /// A 3x4 row-major affine map, translation in column 3 (DXR's FLOAT[3][4]).

@@ -89,6 +89,7 @@ uint64_t build_top_level(std::span<const InstanceDesc> instances, AddressSpace a
                  const PrimitiveRef& ref = leaf[0];
                  write_instance(instances[ref.primitive], ref.primitive, ref.geometry, address);
                });
+    note_lazy_instances(instances, addresses, header);
   }
   std::memcpy(result.data(), &header, sizeof(header));
   return header.bytes;

@@ -5,9 +5,11 @@
 #include <rayloom/accel/structure.h>
 #include <rayloom/base/error.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <string>
+#include <utility>
 
 namespace rayloom::accel {
 namespace {
@@ -32,12 +34,20 @@ std::optional<Box> instance_box(const InstanceDesc& desc, AddressSpace addresses
 }
 
 bool is_hidden(const InstanceDesc& desc, AddressSpace addresses) {
-  return desc.instance_mask == 0 || header_of(addresses.host(desc.bottom_level_address)).root == no_index;
+  return desc.instance_mask == 0 || root_of(header_of(addresses.host(desc.bottom_level_address))) == no_index;
 }
 
 double conditioning(const InstanceDesc& desc) { return invert(desc.transform)->conditioning; }
 
 float pad_scale_for(double largest) { return std::nextafter(static_cast<float>(1 + largest), Box::infinity); }
+
+void note_lazy_instances(std::span<const InstanceDesc> instances, AddressSpace addresses, StructureHeader& header) {
+  const auto lazy = [&](const InstanceDesc& desc) {
+    return desc.bottom_level_address != 0 && is_lazy(header_of(addresses.host(desc.bottom_level_address)));
+  };
+  if (header.root == no_index || std::none_of(instances.begin(), instances.end(), lazy)) return;
+  header.lazy_root = std::exchange(header.root, no_index);
+}
 
 void write_instance(const InstanceDesc& desc, uint32_t index, uint32_t entry, std::byte* address) {
   InstanceRecord record;

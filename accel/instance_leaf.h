@@ -4,6 +4,7 @@
 
 #include <rayloom/accel/box.h>
 #include <rayloom/accel/build.h>
+#include <rayloom/accel/layout.h>
 
 #include <optional>
 
@@ -25,6 +26,9 @@ double conditioning(const InstanceDesc& desc);
 
 /// 1 + `largest`, rounded up: StructureHeader::pad_scale from the largest conditioning up to max_conditioning.
 float pad_scale_for(double largest);
+
+/// Makes the header of a finished top level one of a lazy structure if it is over such.
+void note_lazy_instances(std::span<const InstanceDesc> instances, AddressSpace addresses, StructureHeader& header);
 
 /// Writes the InstanceRecord of an active instance, `entry` as there.
 void write_instance(const InstanceDesc& desc, uint32_t index, uint32_t entry, std::byte* address);

@@ -74,8 +74,9 @@ struct alignas(64) Task {
 };
 
 /// Traces rays whose structure has a root that they want. `instances`: it is a top level. Result: Hit, or for
-/// Order::stored a byte that tells whether the ray hits anything.
-template <Order order, bool instances, class Result>
+/// Order::stored a byte that tells whether the ray hits anything. `lazy`: structures may be lazy; `instances` must be
+/// set, whichever level it is.
+template <Order order, bool instances, class Result, bool lazy = false>
 class Interleaver {
  public:
   Interleaver(AddressSpace addresses, const RayRun& rays, Result* results)
@@ -169,7 +170,7 @@ class Interleaver {
       Task& task = *round.task[i];
       const auto* leaf = reinterpret_cast<const TriangleLeaf*>(address_of(task));
       const LeafMasks masks = test_triangles(TriangleLanes(level_of(task).ray), *leaf, level_of(task).depths);
-      const bool hit = occludes(task, masks), open = !hit & (masks.possible != 0);
+      const bool hit = occludes(task, masks), open = !hit & (masks.possible != 0 || is_stub(*leaf));
       // Member by member: GCC assembles a whole one on the stack and waits for it to come back.
       met_[met].task = &task;
       met_[met].leaf = leaf;
@@ -184,6 +185,9 @@ class Interleaver {
     set_ends(to);
   }
 
+  /// Whether it stands for a part of a lazy structure.
+  static bool is_stub(const TriangleLeaf& leaf) { return lazy && leaf.count == 0; }
+
   /// Whether a ray that needs no hit, but to know whether there is one, has its answer.
   static bool occludes(const Task& task, const LeafMasks& masks) {
     if constexpr (std::is_same_v<Result, Hit>) return false;
@@ -193,6 +197,10 @@ class Interleaver {
   static Ends finish_leaf(const Met& met, Ends to) {
     Task& task = *met.task;
     task.stack.restore_popped();
+    if (is_stub(*met.leaf)) {
+      task.ref = lazy_part_root(level_of(task).block, met.leaf);
+      return file(task, to, true);
+    }
     Visitor none;
     const TriangleLeaves leaves{task.rules};
     const Offer offer = leaves.offer_lanes(level_of(task), met.leaf, met.masks, task.search, none);
@@ -254,10 +262,10 @@ class Interleaver {
     const TraceRequest& request = *rays_.shared;
     const std::byte* const block = addresses_.host(instance.bottom_level_address);
     const StructureHeader& header = header_of(block);
-    if (passes(instance, request, header)) {
+    if (passes<lazy>(instance, request, header)) {
       Ray ray;
       object_ray_lanes(instance, task.search.ray(), ray);
-      if (task.enter(1, block, BoundsLanes(header, 1), entry_of(instance, header), ray)) {
+      if (task.enter(1, block, BoundsLanes(header, 1), entry_of<lazy>(instance, header), ray)) {
         set_rules(task.rules, instance, request, rules_);
         task.accepts_all = task.rules.accepts_all();
         return;
@@ -279,7 +287,7 @@ class Interleaver {
   const InstanceRules rules_{0, 0, rays_.shared->ray_flags, nullptr};  ///< of a bottom level without instance
   const BoundsLanes bounds_{header_of(rays_.shared->structure),
                             instances ? header_of(rays_.shared->structure).pad_scale : 1};
-  const uint32_t root_ = header_of(rays_.shared->structure).root;
+  const uint32_t root_ = start_of<lazy>(header_of(rays_.shared->structure));
   size_t next_ = 0;
   std::unique_ptr<Task[]> tasks_;
   Met met_[width];

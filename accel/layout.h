@@ -98,7 +98,7 @@ struct alignas(32) StructureHeader {
   StructureKind kind;
   uint32_t build_flags;
   uint64_t bytes;
-  uint32_t root;   ///< node_ref; no_index for a structure without active primitives
+  uint32_t root;   ///< node_ref; no_index for a structure without active primitives and for a lazy one
   uint32_t depth;  ///< nodes on the longest path; at most max_depth
   float bounds_min[3], bounds_max[3];
   uint32_t node_count, leaf_count;
@@ -108,7 +108,8 @@ struct alignas(32) StructureHeader {
   double sah_cost;
   float pad_scale;   ///< top level: 1 + the largest conditioning among its instances (docs/numerics.md); else 1
   uint32_t builder;  ///< enum Builder: what made the tree
-  uint32_t reserved[6];
+  uint32_t lazy_root;  ///< of a lazy structure (lazy_layout.h) and of a top level over such; else 0
+  uint32_t reserved[5];
 };
 static_assert(sizeof(StructureHeader) == 128 && offsetof(StructureHeader, bounds_min) == 32);
 

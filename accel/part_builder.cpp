@@ -18,9 +18,23 @@ PartBuilder::PartBuilder(const TriangleCurve& order, const TreeInput& input)
   if (input.build_flags & build_flag::allow_update) leaves_.form = LeafForm::full;
 }
 
-void PartBuilder::build(const Subtree& part) {
+void PartBuilder::reserve(const Subtree& part) {
   bytes_.resize(node_bound(part.budget) * sizeof(Node8) + part.budget * sizeof(PlainTriangleLeaf));
+}
+
+void PartBuilder::build(const Subtree& part) {
+  reserve(part);
   build_in_place(part, bytes_.data(), 0);
+}
+
+uint32_t PartBuilder::build_alone(const Subtree& part) {
+  reserve(part);
+  build_tree(part);
+  wide_.start(bytes_.data(), 0);
+  pieces_.clear();
+  const LooseWide root =
+      wide_.add_below(built_.tree, Collapse(built_.tree), 0, [this](uint32_t leaf) { return write_leaf(leaf); });
+  return root.count == 1 ? root.child[0].ref : wide_.add_node(root);
 }
 
 void PartBuilder::build_in_place(const Subtree& part, std::byte* block, uint32_t granule) {

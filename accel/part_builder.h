@@ -39,9 +39,13 @@ class PartBuilder {
   void build_in_place(const Subtree& part, std::byte* block, uint32_t granule);
   Pieces take_pieces() { return std::move(pieces_); }
 
+  /// Builds into memory of its own, as a tree with a root. Returns the root's reference, from where move_to() counts.
+  uint32_t build_alone(const Subtree& part);
+
   const WideBytes& wide() const { return wide_; }
 
  private:
+  void reserve(const Subtree& part);
   void build_tree(const Subtree& part);
   void write_pieces();
   LooseWide write_leaf(uint32_t slot);

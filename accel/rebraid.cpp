@@ -112,9 +112,14 @@ class Rebraiding {
 
   /// How much opening is worth, in areas; 0: nothing.
   double gain(const PrimitiveRef& ref) const {
-    if (node_ref::is_leaf(ref.geometry)) return 0;
+    if (node_ref::is_leaf(ref.geometry) || refers_to_lazy(ref)) return 0;
     const double area = box_of(ref).half_area(), gained = most_area * area - children_of(ref).area();
     return gained > 0 && overlaps_(ref) >= least_shared * area ? gained : 0;
+  }
+
+  /// Those stay in one piece: their leaves may be parts that are not built.
+  bool refers_to_lazy(const PrimitiveRef& ref) const {
+    return is_lazy(header_of(addresses_.host(instances_[ref.primitive].bottom_level_address)));
   }
 
   void add(const PrimitiveRef& ref, double gained) {

@@ -49,6 +49,8 @@ StructureHeader begin_update(const std::byte* source, std::byte* result, const B
   StructureHeader header = header_of(source);
   if (source != result) std::memcpy(result, source, header.bytes);
   header.build_flags = settings.flags;
+  header.root = root_of(header);
+  header.lazy_root = 0;
   return header;
 }
 

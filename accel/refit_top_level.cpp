@@ -32,6 +32,7 @@ uint64_t refit_top_level(std::span<const InstanceDesc> instances, AddressSpace a
   header.non_opaque_count = 0;
   for (const InstanceDesc& desc : instances)
     header.non_opaque_count += (desc.flags & instance_flag::force_non_opaque) != 0;
+  note_lazy_instances(instances, addresses, header);
   return bytes;
 }
 

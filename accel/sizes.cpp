@@ -1,6 +1,8 @@
 #include <rayloom/accel/binned_sah.h>
 #include <rayloom/accel/build.h>
 #include <rayloom/accel/checks.h>
+#include <rayloom/accel/lazy_build.h>
+#include <rayloom/accel/lazy_layout.h>
 #include <rayloom/accel/sizes.h>
 #include <rayloom/accel/tree_builder.h>
 
@@ -32,6 +34,7 @@ uint64_t largest_structure(uint64_t primitives, StructureKind kind, const BuildS
 }
 
 BuildSizes bottom_level_sizes(std::span<const TriangleGeometry> geometries, const BuildSettings& settings) {
+  if (builds_lazily(settings)) return {lazy_layout(geometries, settings).bytes, 0};
   return {largest_structure(checked_count(geometries), StructureKind::triangles, settings), 0};
 }
 

@@ -1,4 +1,5 @@
 #include <rayloom/accel/build.h>
+#include <rayloom/accel/lazy_part.h>
 #include <rayloom/accel/ray.h>
 #include <rayloom/accel/structure.h>
 #include <rayloom/base/error.h>
@@ -10,10 +11,11 @@ namespace {
 
 bool is_consistent(const StructureHeader& header) {
   const bool known = header.kind >= StructureKind::triangles && header.kind <= StructureKind::instances;
-  const bool empty = header.root == no_index;
-  const uint64_t root_end = node_ref::offset(header.root) + sizeof(Node8);
+  const uint32_t root = root_of(header);
+  const bool empty = root == no_index;
+  const uint64_t root_end = node_ref::offset(root) + sizeof(Node8);
   return known && header.depth <= max_depth && header.bytes >= sizeof(StructureHeader) &&
-         (empty ? header.active_count == 0 : !node_ref::is_leaf(header.root) && root_end <= header.bytes);
+         (empty ? header.active_count == 0 : !node_ref::is_leaf(root) && root_end <= header.bytes);
 }
 
 }  // namespace
@@ -42,6 +44,11 @@ StructureInfo structure_info(const std::byte* block) {
   info.primitives = header.primitive_count;
   info.active_primitives = header.active_count;
   info.geometries = header.geometry_count;
+  info.lazy = is_lazy(header);
+  if (info.lazy && !info.top_level) {
+    info.parts = lazy_state(block).part_count;
+    info.built_parts = built_lazy_parts(block);
+  }
   info.sah_cost = header.sah_cost;
   std::copy_n(header.bounds_min, 3, info.bounds_min);
   std::copy_n(header.bounds_max, 3, info.bounds_max);

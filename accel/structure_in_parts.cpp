@@ -161,7 +161,11 @@ class StructureInParts {
 
 void build_in_parts(const TreeInput& input, StructureHeader& header, std::byte* block) {
   const TriangleCurve order(input.triangles, input.build_flags & build_flag::allow_update);
-  if (!order.keys().empty()) StructureInParts(order, input, header, block);
+  if (!order.keys().empty()) build_in_parts(order, input, header, block);
+}
+
+void build_in_parts(const TriangleCurve& order, const TreeInput& input, StructureHeader& header, std::byte* block) {
+  StructureInParts(order, input, header, block);
 }
 
 }  // namespace rayloom::accel

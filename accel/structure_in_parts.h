@@ -11,6 +11,8 @@
 
 namespace rayloom::accel {
 
+class TriangleCurve;
+
 /// Whether triangles are built in parts. Not where they are split, nor where moving any subtree to any place is what a
 /// build takes its time for.
 inline constexpr bool builds_in_parts(Builder builder) {
@@ -20,5 +22,7 @@ inline constexpr bool builds_in_parts(Builder builder) {
 /// Writes all of a structure but its header, which must name kind and counts and gets the rest; input.triangles are
 /// what is built. Throws InputError for an index out of range.
 void build_in_parts(const TreeInput& input, StructureHeader& header, std::byte* block);
+/// The same for triangles in their order, at least one.
+void build_in_parts(const TriangleCurve& order, const TreeInput& input, StructureHeader& header, std::byte* block);
 
 }  // namespace rayloom::accel

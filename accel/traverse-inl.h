@@ -14,7 +14,9 @@
 // clang-format on
 
 #include <rayloom/accel/instance_transform.h>
+#include <rayloom/accel/lazy_part.h>
 #include <rayloom/accel/prefetch.h>
+#include <rayloom/accel/ray_run.h>
 #include <rayloom/accel/search.h>
 #include <rayloom/accel/structure.h>
 #include <rayloom/accel/traversal_stack.h>
@@ -211,29 +213,51 @@ struct ProceduralLeaves {
   }
 };
 
+/// Leaves of the tree above the parts of a lazy structure.
+struct LazyLeaves {
+  const InstanceRules& rules;
+
+  template <class Visitor>
+  Offer visit(Level& level, const std::byte* stub, Search& search, Visitor& visitor) const {
+    const uint32_t root = lazy_part_root(level.block, stub);
+    const bool ended = traverse_ordered(level, root, TriangleLeaves{rules}, search, visitor);
+    return ended ? Offer::ended : Offer::committed;
+  }
+};
+
+/// Where rays start. `lazy`: kernels that also enter lazy structures; others take them for empty ones.
+template <bool lazy>
+inline uint32_t start_of(const StructureHeader& header) {
+  return lazy ? root_of(header) : header.root;
+}
+
 /// Whether the ray may find anything in a bottom level of this kind (RF-14, RF-15).
+template <bool lazy = false>
 inline bool wants(const TraceRequest& request, const StructureHeader& header) {
-  if (header.root == no_index) return false;
+  if (start_of<lazy>(header) == no_index) return false;
   if (header.kind == StructureKind::triangles) return !(request.ray_flags & ray_flag::skip_triangles);
   return !(request.ray_flags & ray_flag::skip_procedural_primitives) && request.candidate;
 }
 
-template <class Visitor>
+template <bool lazy = false, class Visitor>
 bool traverse_bottom(const std::byte* block, uint32_t start, const Ray& ray, const InstanceRules& rules, Search& search,
                      Visitor& visitor) {
   Level level(block, ray, 1, search);
   if (!level.ray.valid) return false;
+  if (lazy && is_lazy(level.header())) return traverse_ordered(level, start, LazyLeaves{rules}, search, visitor);
   if (level.header().kind == StructureKind::triangles)
     return traverse_ordered(level, start, TriangleLeaves{rules}, search, visitor);
   return traverse_ordered(level, start, ProceduralLeaves{rules}, search, visitor);
 }
 
+template <bool lazy = false>
 inline bool passes(const InstanceRecord& instance, const TraceRequest& request, const StructureHeader& bottom_level) {
-  return (instance.id_and_mask >> 24 & request.instance_mask) != 0 && wants(request, bottom_level);
+  return (instance.id_and_mask >> 24 & request.instance_mask) != 0 && wants<lazy>(request, bottom_level);
 }
 
+template <bool lazy = false>
 inline uint32_t entry_of(const InstanceRecord& instance, const StructureHeader& bottom_level) {
-  return instance.entry != 0 ? instance.entry : bottom_level.root;
+  return instance.entry != 0 ? instance.entry : start_of<lazy>(bottom_level);
 }
 
 /// Makes the rules in an instance. `plain`: those in one without flags. In place: a copy would wait for its parts.
@@ -245,7 +269,8 @@ inline void set_rules(InstanceRules& rules, const InstanceRecord& instance, cons
   rules.instance = reinterpret_cast<const std::byte*>(&instance);
 }
 
-struct InstanceLeaves {
+template <bool lazy>
+struct InstanceLeavesOf {
   AddressSpace addresses;
   InstanceRules plain;  ///< of instances without flags
 
@@ -254,31 +279,42 @@ struct InstanceLeaves {
     const auto* instance = reinterpret_cast<const InstanceRecord*>(address);
     const TraceRequest& request = search.request();
     const std::byte* block = addresses.host(instance->bottom_level_address);
-    if (!passes(*instance, request, header_of(block))) return Offer::rejected;
+    if (!passes<lazy>(*instance, request, header_of(block))) return Offer::rejected;
     Ray ray;
     object_ray_lanes(*instance, search.ray(), ray);
     InstanceRules rules;
     set_rules(rules, *instance, request, plain);
     visitor.on_enter_instance(instance, ray);
-    const bool ended = traverse_bottom(block, entry_of(*instance, header_of(block)), ray, rules, search, visitor);
+    const uint32_t start = entry_of<lazy>(*instance, header_of(block));
+    const bool ended = traverse_bottom<lazy>(block, start, ray, rules, search, visitor);
     visitor.on_leave_instance(instance);
     return ended ? Offer::ended : Offer::committed;
   }
 };
 
-template <class Visitor>
+using InstanceLeaves = InstanceLeavesOf<false>;
+
+/// In simd/lazy_highway.cpp and lazy_scalar.cpp, apart from the kernels for ordinary structures: compiled together,
+/// each would make the other slower.
+Hit trace_lazily(AddressSpace addresses, const TraceRequest& request);
+void trace_lazily(AddressSpace addresses, const RayRun& rays, Hit* hits);
+void occlude_lazily(AddressSpace addresses, const RayRun& rays, uint8_t* results);
+
+template <bool lazy = false, class Visitor>
 Hit traverse(AddressSpace addresses, const TraceRequest& request, Visitor& visitor) {
   Search search(request);
   if (!request.structure) return search.hit();
   const StructureHeader& header = header_of(request.structure);
-  if (header.root == no_index) return search.hit();
+  const uint32_t start = start_of<lazy>(header);
+  if (start == no_index) return !lazy && is_lazy(header) ? trace_lazily(addresses, request) : search.hit();
   const InstanceRules rules(0, 0, request.ray_flags, nullptr);
   if (header.kind != StructureKind::instances) {
-    if (wants(request, header)) traverse_bottom(request.structure, header.root, request.ray, rules, search, visitor);
+    if (wants<lazy>(request, header))
+      traverse_bottom<lazy>(request.structure, start, request.ray, rules, search, visitor);
     return search.hit();
   }
   Level level(request.structure, request.ray, header.pad_scale, search);
-  if (level.ray.valid) traverse_ordered(level, header.root, InstanceLeaves{addresses, rules}, search, visitor);
+  if (level.ray.valid) traverse_ordered(level, start, InstanceLeavesOf<lazy>{addresses, rules}, search, visitor);
   return search.hit();
 }
 

@@ -3,6 +3,7 @@
 #include <rayloom/accel/reinsertion.h>
 #include <rayloom/accel/sizes.h>
 #include <rayloom/accel/split_tree.h>
+#include <rayloom/accel/structure_in_parts.h>
 #include <rayloom/accel/tree_builder.h>
 
 namespace rayloom::accel {
@@ -26,6 +27,8 @@ constexpr ReinsertionEffort whole_tree{.rounds = 6, .share = 4};
 
 Builder chosen_builder(StructureKind kind, const BuildSettings& settings) {
   const Builder wanted = settings.builder == Builder::automatic ? by_flags(settings.flags) : settings.builder;
+  const bool lazy = kind == StructureKind::triangles && (settings.flags & build_flag::lazy);
+  if (lazy && !builds_in_parts(wanted)) return Builder::binned_sah;
   return wanted == Builder::spatial_splits && !can_split(kind, settings.flags) ? Builder::binned_sah : wanted;
 }
 

@@ -14,6 +14,10 @@ class TriangleCurve {
   /// Throws InputError for an index out of range.
   TriangleCurve(std::span<const TriangleGeometry> geometries, bool keep_degenerate);
 
+  /// Some triangles whose keys on a curve are known.
+  TriangleCurve(std::span<const TriangleGeometry> geometries, const MortonCurve& curve, std::span<const MortonKey> keys)
+      : numbers_(geometries), keep_degenerate_(false), curve_(curve), keys_(keys.begin(), keys.end()) {}
+
   const TriangleNumbers& numbers() const { return numbers_; }
   const MortonCurve& curve() const { return curve_; }
   std::span<const MortonKey> keys() const { return keys_; }

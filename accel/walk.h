@@ -13,7 +13,7 @@ namespace rayloom::accel {
 template <class RecordingVisitor>
 Hit walk(AddressSpace addresses, const TraceRequest& request, RecordingVisitor& visitor) {
   const FloatEnvironment environment;
-  return scalar::traverse(addresses, request, visitor);
+  return scalar::traverse<true>(addresses, request, visitor);
 }
 
 }  // namespace rayloom::accel

@@ -1,0 +1,41 @@
+#include <rayloom/accel/binned_sah.h>
+#include <rayloom/accel/checks.h>
+#include <rayloom/accel/lazy_layout.h>
+#include <rayloom/accel/sizes.h>
+
+namespace rayloom::accel {
+namespace {
+
+constexpr uint64_t round_up(uint64_t bytes, uint64_t to) { return (bytes + to - 1) / to * to; }
+
+/// All but the last have at least half of a part's size (cut_into_parts).
+uint64_t most_parts(uint64_t primitives) { return 2 * primitives / lazy_part_size + 1; }
+
+/// Leaves and nodes of all parts: the sum of what leaf_budget() and node_bound() give for each.
+uint64_t built_bytes(uint64_t primitives, const BuildSettings& settings) {
+  const uint64_t parts = most_parts(primitives), full = primitives / leaf_width + parts;
+  const uint64_t leaves =
+      (settings.flags & build_flag::minimize_memory) ? full + full / 8 : full + full / 2 + 6 * parts;
+  const uint64_t nodes = parts + 3 * leaves / 5;
+  return nodes * sizeof(Node8) + leaves * sizeof(PlainTriangleLeaf) + TriangleLeaf::overread_bytes;
+}
+
+}  // namespace
+
+LazyLayout lazy_layout(std::span<const TriangleGeometry> geometries, const BuildSettings& settings) {
+  const uint64_t primitives = checked_count(geometries), parts = most_parts(primitives);
+  LazyLayout layout;
+  layout.parts = sizeof(StructureHeader) + sizeof(LazyState);
+  layout.nodes = layout.parts + parts * sizeof(LazyPart);
+  layout.built = layout.nodes + node_bound(parts) * sizeof(Node8);
+  layout.geometries = round_up(layout.built + built_bytes(primitives, settings), granule_bytes);
+  layout.keys = layout.geometries + geometries.size() * sizeof(LazyGeometry);
+  layout.buffers = layout.keys + primitives * sizeof(MortonKey);
+  layout.bytes = layout.buffers;
+  for (const TriangleGeometry& geometry : geometries)
+    layout.bytes += copied_vertices(geometry) * 12 + round_up(copied_index_bytes(geometry), 4);
+  layout.bytes = round_up(layout.bytes, structure_alignment);
+  return layout;
+}
+
+}  // namespace rayloom::accel

@@ -1,0 +1,86 @@
+#pragma once
+
+// The bytes of a lazy structure: the top of a tree over parts of triangles, and what building the parts takes. It keeps
+// copies of its inputs, and room for all that may be built, so that nothing but its own block is needed later:
+//
+//   header | state | parts | nodes above parts | room for what is built of parts | geometries | keys | their buffers
+//
+// Its header says that it has no root, as an empty structure's does, and lazy_root instead: kernels for ordinary
+// structures take neither, so they have nothing to tell apart.
+
+#include <rayloom/accel/build_input.h>
+#include <rayloom/accel/build_settings.h>
+#include <rayloom/accel/layout.h>
+#include <rayloom/accel/morton.h>
+
+#include <span>
+#include <type_traits>
+
+namespace rayloom::accel {
+
+/// Most triangles of a part. Measured: TODO
+inline constexpr uint32_t lazy_part_size = 1024;
+
+/// A part of the triangles. It begins as a leaf without triangles, which is where the tree above refers to.
+struct alignas(32) LazyPart {
+  TriangleLeaf stub;
+  uint32_t first, count;  ///< its keys
+  uint32_t budget;        ///< leaves it may have
+  uint32_t unchanging[13];
+  uint32_t root;  ///< LazyPart::unbuilt, being_built, or a node_ref; changes while rays are traced
+  uint32_t unused[7];
+
+  static constexpr uint32_t unbuilt = 0, being_built = 1;
+};
+static_assert(offsetof(LazyPart, root) == sizeof(TriangleLeaf) + TriangleLeaf::overread_bytes,
+              "what a filter reads of a stub must not change");
+
+/// The depth at which the tree above parts begins, and each part's own: choices end at max_choice_depth, and halving
+/// takes at most 20 levels above parts and 7 in them, so that both together fit into max_depth.
+inline constexpr uint32_t lazy_first_depth = 16;
+
+/// Follows the header. Places are counted in bytes from the block's start.
+struct alignas(32) LazyState {
+  MortonCurve curve;
+  uint64_t geometries, keys;
+  uint32_t part_count, key_count;
+  uint32_t built_count;   ///< parts; changes while rays are traced
+  uint32_t next_granule;  ///< where the next part's bytes go; changes likewise
+};
+static_assert(std::is_trivially_copyable_v<LazyState>);
+
+/// A geometry's copy: vertices as the build sees them, 12 bytes each.
+struct LazyGeometry {
+  uint64_t vertices, indices;  ///< places
+  uint32_t vertex_count, triangle_count, flags;
+  IndexFormat index_format;
+};
+
+/// Where everything lies. Follows from counts and flags alone (PB-03).
+struct LazyLayout {
+  uint64_t parts, nodes, built, geometries, keys, buffers, bytes;
+};
+LazyLayout lazy_layout(std::span<const TriangleGeometry> geometries, const BuildSettings& settings);
+
+/// Whether a geometry is copied without its indices, since it has many vertices that it does not use.
+inline bool copies_unindexed(const TriangleGeometry& geometry) {
+  return geometry.index_format == IndexFormat::none || geometry.vertex_count > 3 * uint64_t{geometry.triangle_count};
+}
+
+inline uint64_t copied_vertices(const TriangleGeometry& geometry) {
+  return copies_unindexed(geometry) ? 3 * uint64_t{geometry.triangle_count} : geometry.vertex_count;
+}
+
+inline uint64_t copied_index_bytes(const TriangleGeometry& geometry) {
+  if (copies_unindexed(geometry)) return 0;
+  return uint64_t{geometry.triangle_count} * (geometry.index_format == IndexFormat::uint16 ? 6 : 12);
+}
+
+inline const LazyState& lazy_state(const std::byte* block) {
+  return *reinterpret_cast<const LazyState*>(block + sizeof(StructureHeader));
+}
+inline LazyState& lazy_state(std::byte* block) {
+  return *reinterpret_cast<LazyState*>(block + sizeof(StructureHeader));
+}
+
+}  // namespace rayloom::accel

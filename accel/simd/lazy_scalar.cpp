@@ -1,0 +1,1 @@
+#include <rayloom/accel/lazy-inl.h>
