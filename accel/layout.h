@@ -106,8 +106,8 @@ struct alignas(32) StructureHeader {
   uint32_t geometry_count;
   uint32_t non_opaque_count;  ///< geometries without the opaque flag, instances with force_non_opaque for a top level
   double sah_cost;
-  float pad_scale;   ///< top level: 1 + the largest conditioning among its instances (docs/numerics.md); else 1
-  uint32_t builder;  ///< enum Builder: what made the tree
+  float pad_scale;     ///< top level: 1 + the largest conditioning among its instances (docs/numerics.md); else 1
+  uint32_t builder;    ///< enum Builder: what made the tree
   uint32_t lazy_root;  ///< of a lazy structure (lazy_layout.h) and of a top level over such; else 0
   uint32_t reserved[5];
 };

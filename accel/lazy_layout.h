@@ -18,7 +18,7 @@
 
 namespace rayloom::accel {
 
-/// Most triangles of a part. Measured: TODO
+/// Most triangles of a part.
 inline constexpr uint32_t lazy_part_size = 1024;
 
 /// A part of the triangles. It begins as a leaf without triangles, which is where the tree above refers to.

@@ -190,7 +190,7 @@ DispatchReport dispatch_rays(const DispatchCommand& command, const DispatchOptio
     report.skipped_by = problem.row;
     return report;
   }
-  StructureCache structures(memory);
+  StructureCache structures(memory, options.tracer && options.tracer->observes_shaders());
   const ShaderMemory view = memory.shader_memory();
   const DISPATCH_RAYS_DESC& desc = command.desc;
   const GPU_VIRTUAL_ADDRESS_RANGE& first = desc.RayGenerationShaderRecord;

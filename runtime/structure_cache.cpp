@@ -1,6 +1,7 @@
 #include <rayloom/accel/build.h>
 #include <rayloom/accel/build_input.h>
 #include <rayloom/accel/ray.h>
+#include <rayloom/accel/structure.h>
 #include <rayloom/base/error.h>
 #include <rayloom/runtime/structure_cache.h>
 
@@ -62,7 +63,7 @@ class Inspector {
   /// Walks the tree; every reference must stay inside the block.
   void collect(const accel::StructureHeader& header) {
     result_.instances.resize(header.primitive_count);
-    if (header.root != accel::no_index) pending_.push_back(header.root);
+    if (const uint32_t root = accel::root_of(header); root != accel::no_index) pending_.push_back(root);
     for (uint64_t visited = 0; !pending_.empty() && result_.problem.empty(); ++visited) {
       const uint32_t ref = pending_.back();
       pending_.pop_back();
@@ -130,11 +131,17 @@ bool TopLevel::asks(uint32_t ray_flags) const {
   return has_non_opaque || (ray_flags & ray_flag::force_non_opaque);
 }
 
+TopLevel StructureCache::inspect(uint64_t address) const {
+  TopLevel found = Inspector(memory_, address).inspect();
+  if (complete_ && found.block) accel::complete_structure(memory_.host(address), memory_.addresses());
+  return found;
+}
+
 const TopLevel& StructureCache::find(uint64_t address) {
   const std::lock_guard lock(mutex_);
   const auto found = entries_.find(address);
   if (found != entries_.end()) return found->second;
-  return entries_.emplace(address, Inspector(memory_, address).inspect()).first->second;
+  return entries_.emplace(address, inspect(address)).first->second;
 }
 
 }  // namespace rayloom::detail

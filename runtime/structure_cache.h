@@ -29,13 +29,17 @@ struct TopLevel {
 /// Thread-safe; lives as long as one dispatch, because structures may be rebuilt between two.
 class StructureCache {
  public:
-  explicit StructureCache(const DeviceMemory& memory) : memory_(memory) {}
+  /// `complete`: lazy structures are completed before they are traced, for tracers that look at their bytes.
+  explicit StructureCache(const DeviceMemory& memory, bool complete = false) : memory_(memory), complete_(complete) {}
 
   /// `address` is not 0. The reference stays valid as long as the cache.
   const TopLevel& find(uint64_t address);
 
  private:
+  TopLevel inspect(uint64_t address) const;
+
   const DeviceMemory& memory_;
+  bool complete_;
   std::map<uint64_t, TopLevel> entries_;
   std::mutex mutex_;
 };

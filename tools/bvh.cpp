@@ -48,6 +48,7 @@ Json to_json(const BuiltStructure& built) {
           {"primitives", info.primitives},
           {"active_primitives", info.active_primitives},
           {"geometries", info.geometries},
+          {"lazy_parts", info.parts},
           {"nodes", info.nodes},
           {"leaves", info.leaves},
           {"depth_nodes", info.depth},
@@ -167,6 +168,9 @@ void add_bvh_command(CLI::App& app, CommonOptions& common, Action& action) {
       ->type_name("NAME");
   sub->add_flag("--rebraid", options->settings.rebraid,
                 "Open instances that overlap others into several leaves of the top level");
+  sub->add_flag_callback(
+      "--lazy", [=] { options->settings.flags |= accel::build_flag::lazy; },
+      "Build bottom levels of triangles part by part when rays come to them: none is built here");
   add_count(*sub, "--threads", options->threads, 0, 1024, "Threads, 0 for one a core");
   sub->callback([=, &common, &action] { action = [=, &common] { return run_bvh(*options, common); }; });
 }

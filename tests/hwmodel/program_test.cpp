@@ -56,7 +56,7 @@ struct Program {
   ShaderTable ray_generation, miss, hit_groups, callables;
   CommandList list;
 
-  Program();
+  explicit Program(RAYTRACING_ACCELERATION_STRUCTURE_BUILD_FLAGS = RAYTRACING_ACCELERATION_STRUCTURE_BUILD_FLAG_NONE);
   std::vector<std::byte> run(Tracer* tracer = nullptr) {
     picture.upload(std::span<const std::byte>(std::vector<std::byte>(picture.bytes())));
     device.execute(list, {.tracer = tracer});
@@ -64,11 +64,11 @@ struct Program {
   }
 
  private:
-  void build_scene();
+  void build_scene(RAYTRACING_ACCELERATION_STRUCTURE_BUILD_FLAGS flags);
   ShaderLibrary shaders() const;
 };
 
-void Program::build_scene() {
+void Program::build_scene(RAYTRACING_ACCELERATION_STRUCTURE_BUILD_FLAGS flags) {
   std::vector<float3> corners;
   for (int i = 0; i < 200; ++i)
     for (int corner = 0; corner < 3; ++corner)
@@ -82,8 +82,9 @@ void Program::build_scene() {
     spheres_boxes.push_back({c.x - 0.3f, c.y - 0.3f, c.z - 0.3f, c.x + 0.3f, c.y + 0.3f, c.z + 0.3f});
   }
   boxes = device.upload(spheres_boxes);
-  mesh = build_bottom_level(device, {triangle_geometry(vertices, 300),
-                                     triangle_geometry(holed_vertices, 300, 12, RAYTRACING_GEOMETRY_FLAG_NONE)});
+  const RAYTRACING_GEOMETRY_DESC geometries[] = {
+      triangle_geometry(vertices, 300), triangle_geometry(holed_vertices, 300, 12, RAYTRACING_GEOMETRY_FLAG_NONE)};
+  mesh = build_bottom_level(device, geometries, flags);
   spheres = build_bottom_level(device, {aabb_geometry(boxes, 30)});
   RAYTRACING_INSTANCE_DESC second = instance(spheres);
   second.InstanceContributionToHitGroupIndex = 2;
@@ -120,9 +121,9 @@ ShaderLibrary Program::shaders() const {
   return library;
 }
 
-Program::Program() {
+Program::Program(RAYTRACING_ACCELERATION_STRUCTURE_BUILD_FLAGS flags) {
   picture = device.create_buffer(width * height * sizeof(float4));
-  build_scene();
+  build_scene(flags);
   STATE_OBJECT_DESC desc;
   desc.add(DXIL_LIBRARY_DESC{shaders()});
   desc.add(HIT_GROUP_DESC{.HitGroupExport = "Solid", .ClosestHitShaderImport = "Shade"});
@@ -209,6 +210,33 @@ TEST_CASE("captures and replays are the same for any number of host threads") {
   CHECK(a.stats.cycles == b.stats.cycles);
   CHECK(a.stats.rt.slots == b.stats.rt.slots);
   CHECK(a.pixel_cycles == b.pixel_cycles);
+}
+
+TEST_CASE("a lazy scene gives the same picture, and is complete when it is captured") {
+  const std::vector<std::byte> expected = Program().run();
+  const auto info = [](const Program& program) {
+    return accel::structure_info(program.device.memory().host(program.mesh.address()));
+  };
+  std::vector<Capture> captures;
+  for (const bool traced_before : {false, true}) {
+    Program program(RAYTRACING_ACCELERATION_STRUCTURE_BUILD_FLAG_LAZY);
+    CHECK(info(program).built_parts == 0);
+    if (traced_before) {
+      CHECK(program.run() == expected);
+      CHECK(info(program).built_parts > 0);
+    }
+    CHECK(info(program).lazy);
+    RecordingTracer tracer;
+    CHECK(program.run(&tracer) == expected);
+    CHECK(!info(program).lazy);
+    captures.push_back(std::move(tracer.take().front()));
+    std::vector<std::byte> simulated(expected.size());
+    replay({&captures.back(), 1}, two_sms()).memory.read(program.picture.address(), simulated);
+    CHECK(simulated == expected);
+    CHECK(program.run() == expected);
+  }
+  REQUIRE(captures[0].warps.size() == captures[1].warps.size());
+  for (size_t i = 0; i < captures[0].warps.size(); ++i) CHECK(same_warp(captures[0].warps[i], captures[1].warps[i]));
 }
 
 TEST_CASE("warps of other sizes, and lanes one after another, come to the same picture") {
