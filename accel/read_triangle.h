@@ -40,8 +40,12 @@ inline void apply(const float* transform, float (&p)[3]) {
 }
 
 /// Only the low 32 bits of the stride count (BI-12).
+inline const std::byte* address_of_vertex(const TriangleGeometry& geometry, uint32_t index) {
+  return geometry.vertices + uint64_t{index} * static_cast<uint32_t>(geometry.vertex_stride);
+}
+
 inline void read_vertex(const TriangleGeometry& geometry, uint32_t index, float (&p)[3]) {
-  std::memcpy(p, geometry.vertices + uint64_t{index} * static_cast<uint32_t>(geometry.vertex_stride), sizeof(p));
+  std::memcpy(p, address_of_vertex(geometry, index), sizeof(p));
   if (geometry.transform) apply(geometry.transform, p);
 }
 

@@ -40,10 +40,17 @@ class TriangleNumbers {
   std::vector<uint32_t> begin_;
 };
 
+/// Lane 3 is another z, which is never in the way of what all lanes are asked for.
 inline Float4 load_vertex(const TriangleGeometry& geometry, uint32_t index) {
-  float p[3];
-  read_vertex(geometry, index, p);
-  return Float4{p[0], p[1], p[2], 0};
+  using Float2 __attribute__((vector_size(8))) = float;
+  const std::byte* const address = address_of_vertex(geometry, index);
+  Float2 xy, yz;
+  std::memcpy(&xy, address, sizeof(xy));
+  std::memcpy(&yz, address + sizeof(float), sizeof(yz));
+  if (!geometry.transform) return __builtin_shufflevector(xy, yz, 0, 1, 3, 3);
+  float p[3] = {xy[0], xy[1], yz[1]};
+  apply(geometry.transform, p);
+  return Float4{p[0], p[1], p[2], p[2]};
 }
 
 struct Corners4 {
