@@ -20,9 +20,18 @@ struct Run {
   size_t begin, count;
 };
 
+/// Whether some `longest` + 1 keys that begin in [begin, end) have one code.
+bool has_runs(std::span<const MortonKey> keys, size_t begin, size_t end, size_t longest) {
+  bool any = false;
+  end = std::min(end, keys.size() - std::min(keys.size(), longest));
+  for (size_t i = begin; i < end; ++i) any |= keys[i].code == keys[i + longest].code;
+  return any;
+}
+
 /// The runs of more than `longest` keys of one code that begin in [begin, end).
 std::vector<Run> runs_of(std::span<const MortonKey> keys, size_t begin, size_t end, size_t longest) {
   std::vector<Run> runs;
+  if (!has_runs(keys, begin, end, longest)) return runs;
   while (begin < end && begin > 0 && keys[begin].code == keys[begin - 1].code) ++begin;
   while (begin < end) {
     size_t last = begin + 1;
