@@ -36,6 +36,9 @@ class MortonCurve {
     return bits[0] << 1 | bits[1] | bits[2] << 2;
   }
   uint32_t upper_code(const PrimitiveRef& ref) const { return upper_code(centre4(box4(ref))); }
+  /// Along one axis, the least centre and upper cells per unit.
+  double low(int axis) const { return low_[axis]; }
+  double upper_scale(int axis) const { return upper_scale_[axis]; }
   /// The longest side of the box that the curve spans.
   double extent() const { return extent_; }
 

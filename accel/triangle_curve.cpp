@@ -2,6 +2,7 @@
 #include <rayloom/accel/chunks.h>
 #include <rayloom/accel/collect_refs.h>
 #include <rayloom/accel/layout.h>
+#include <rayloom/accel/simd/build_kernel.h>
 #include <rayloom/accel/triangle_curve.h>
 #include <rayloom/accel/triangle_input.h>
 
@@ -21,7 +22,9 @@ struct Bounds {
 
 /// Of all finite vertices, whether triangles use them or not.
 Bounds vertex_bounds(const TriangleGeometry& geometry) {
+  const BuildKernel* const kernel = vectors_read(geometry) && geometry.vertex_stride == 12 ? build_kernel() : nullptr;
   return reduce_chunks<Bounds>(geometry.vertex_count, [&](size_t begin, size_t end) {
+    if (kernel) return Bounds{box4(kernel->vertex_bounds(geometry.vertices + 12 * begin, end - begin))};
     Bounds part;
     for (size_t i = begin; i < end; ++i) {
       const Float4 vertex = load_vertex(geometry, static_cast<uint32_t>(i));
@@ -42,6 +45,29 @@ Bounds triangle_bounds(const TriangleGeometry& geometry, uint32_t index) {
     }
     return part;
   });
+}
+
+/// Of the active triangles of a range; returns their end and extends `centres`.
+MortonKey* make_keys_one_by_one(const KeyRange& range, uint32_t index, MortonKey* out, Box& centres) {
+  const TriangleGeometry geometry = *range.geometry;
+  const MortonCurve curve = *range.curve;
+  Bounds part;
+  for (uint32_t triangle = range.begin; triangle < range.end; ++triangle) {
+    const Corners4 corners = load_corners(geometry, checked_indices(geometry, index, triangle));
+    if (!is_kept(corners, range.keep_degenerate)) continue;
+    const Float4 centre = centre4(corners.box());
+    part.box.extend(centre, centre);
+    *out++ = {curve.upper_code(centre), range.first_number + triangle};
+  }
+  centres.extend(part.box.box());
+  return out;
+}
+
+/// Vectors leave it to the other loop to name an index out of range.
+MortonKey* make_keys(const KeyRange& range, uint32_t index, MortonKey* out, Box& centres) {
+  const BuildKernel* const kernel = vectors_read(*range.geometry) ? build_kernel() : nullptr;
+  MortonKey* const end = kernel ? kernel->make_keys(range, out, centres) : nullptr;
+  return end ? end : make_keys_one_by_one(range, index, out, centres);
 }
 
 }  // namespace
@@ -73,26 +99,17 @@ Box TriangleCurve::make_keys_on(const MortonCurve& curve) {
   const auto geometries = numbers_.geometries();
   keys_.clear();
   keys_.reserve(checked_count(geometries));
-  Bounds all;
+  Box all;
   for (uint32_t g = 0; g < geometries.size(); ++g) {
-    const TriangleGeometry geometry = geometries[g];
-    std::vector<Bounds> bounds(chunk_count(geometry.triangle_count));
-    append_chunks(keys_, geometry.triangle_count, [&, curve](size_t chunk, size_t begin, size_t end, MortonKey* out) {
-      Bounds part;
-      for (size_t i = begin; i < end; ++i) {
-        const auto triangle = static_cast<uint32_t>(i);
-        const Corners4 corners = load_corners(geometry, checked_indices(geometry, g, triangle));
-        if (!is_kept(corners, keep_degenerate_)) continue;
-        const Float4 centre = centre4(corners.box());
-        part.box.extend(centre, centre);
-        *out++ = {curve.upper_code(centre), numbers_.begin(g) + triangle};
-      }
-      bounds[chunk] = part;
-      return out;
+    std::vector<Box> centres(chunk_count(geometries[g].triangle_count));
+    append_chunks(keys_, geometries[g].triangle_count, [&](size_t chunk, size_t begin, size_t end, MortonKey* out) {
+      const KeyRange range{&geometries[g], static_cast<uint32_t>(begin), static_cast<uint32_t>(end), numbers_.begin(g),
+                           keep_degenerate_, &curve};
+      return make_keys(range, g, out, centres[chunk]);
     });
-    for (const Bounds& part : bounds) all.merge(part);
+    for (const Box& box : centres) all.extend(box);
   }
-  return all.box.box();
+  return all;
 }
 
 uint64_t TriangleCurve::code(uint32_t number) const {

@@ -1,0 +1,37 @@
+#pragma once
+
+// What builders do to many triangles at once, in vectors. Results have the bits that the scalar code gives.
+
+#include <rayloom/accel/build_input.h>
+#include <rayloom/accel/morton.h>
+
+namespace rayloom::accel {
+
+/// Triangles [begin, end) of a geometry that vectors can read, and how their places on a curve follow.
+struct KeyRange {
+  const TriangleGeometry* geometry;
+  uint32_t begin, end;
+  uint32_t first_number;  ///< of the geometry's triangles
+  bool keep_degenerate;
+  const MortonCurve* curve;
+};
+
+struct BuildKernel {
+  /// Writes the keys of active triangles to `out` and returns their end; null for an index out of range. Extends
+  /// `centres` by their centres.
+  MortonKey* (*make_keys)(const KeyRange&, MortonKey* out, Box& centres);
+  /// The box of all finite ones of `count` vertices of three floats each.
+  Box (*vertex_bounds)(const std::byte* vertices, size_t count);
+};
+
+/// Of the instruction set in use; null where that has no vectors.
+const BuildKernel* build_kernel();
+
+/// Whether vectors can read a geometry: offsets fit a signed 32-bit lane, and nothing has to be moved.
+inline bool vectors_read(const TriangleGeometry& geometry) {
+  const uint64_t stride = static_cast<uint32_t>(geometry.vertex_stride);
+  return !geometry.transform && geometry.index_format == IndexFormat::uint32 &&
+         stride * geometry.vertex_count <= 0x7FFFFFFF && geometry.triangle_count <= 0x7FFFFFFF / 12;
+}
+
+}  // namespace rayloom::accel
