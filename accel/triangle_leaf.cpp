@@ -1,4 +1,5 @@
 #include <rayloom/accel/ray.h>
+#include <rayloom/accel/simd/build_kernel.h>
 #include <rayloom/accel/triangle_leaf.h>
 #include <rayloom/accel/triangle_numbers.h>
 
@@ -101,10 +102,9 @@ void fill_table(Rows& rows, const Corners4 (&triangles)[leaf_lanes], uint32_t co
 
 void fill_table(Rows& rows, const TriangleGeometry& geometry, std::span<const PrimitiveRef> refs) {
   VertexTable<SameIndex> table;
-  for (uint32_t lane = 0; lane < refs.size(); ++lane) {
-    const Indices indices = read_indices(geometry, refs[lane].primitive);
-    for (uint32_t vertex = 0; vertex < 3; ++vertex) rows.corner[vertex][lane] = table.add(indices[vertex]);
-  }
+  for (uint32_t vertex = 0; vertex < 3; ++vertex)
+    for (uint32_t lane = 0; lane < refs.size(); ++lane)
+      rows.corner[vertex][lane] = table.add(read_indices(geometry, refs[lane].primitive)[vertex]);
   rows.slots = table.size();
   for (uint32_t first = 0; first < rows.slots; first += 4) {
     Float4 points[4] = {};
@@ -157,36 +157,78 @@ void fill_rows(const TriangleLeafWriter& writer, Rows& rows, std::span<const Pri
   if (writer.form == LeafForm::full || rows.slots > table_slots) fill_plain(rows, triangles, count);
 }
 
+void name_lanes(std::span<const PrimitiveRef> refs, TriangleLeaf& leaf) {
+  std::fill_n(leaf.primitive, leaf_lanes, no_index);
+  for (size_t lane = 0; lane < refs.size(); ++lane) leaf.primitive[lane] = refs[lane].primitive;
+}
+
+void write_table(const Rows& rows, size_t count, TriangleLeaf& leaf) {
+  std::memcpy(leaf.corner, rows.corner, sizeof(leaf.corner));
+  leaf.count = static_cast<uint8_t>(count);
+  leaf.slots = static_cast<uint8_t>(rows.slots);
+  leaf.mixed = leaf.reserved = 0;
+  write_rows(rows, leaf);
+}
+
+/// All of a leaf of one geometry but its geometry word; returns how many entries the table takes, and has written
+/// nothing if those are too many.
+uint32_t write_by_index(const TriangleGeometry& geometry, std::span<const PrimitiveRef> refs, TriangleLeaf& leaf) {
+  if (const BuildKernel* const kernel = build_kernel(); kernel && vectors_read(geometry))
+    return kernel->write_table_leaf(geometry, refs, leaf);
+  Rows rows;
+  fill_table(rows, geometry, refs);
+  if (rows.slots > table_slots) return rows.slots;
+  name_lanes(refs, leaf);
+  write_table(rows, refs.size(), leaf);
+  return rows.slots;
+}
+
+/// Layout's geometry word: index in the low 24 bits, flags above.
+uint32_t geometry_word(std::span<const TriangleGeometry> geometries, uint32_t geometry) {
+  return geometry | (geometries[geometry].flags & 0x7F) << 24;
+}
+
+bool one_geometry(std::span<const PrimitiveRef> refs) {
+  uint32_t different = 0;
+  for (const PrimitiveRef& ref : refs) different |= ref.geometry ^ refs[0].geometry;
+  return different == 0;
+}
+
+/// Leaves of any form, all but what follows the table.
+void write_any(const TriangleLeafWriter& writer, std::span<const PrimitiveRef> refs, TriangleLeaf& leaf,
+               uint32_t (&geometry)[leaf_lanes]) {
+  for (size_t lane = 0; lane < refs.size(); ++lane)
+    geometry[lane] = geometry_word(writer.geometries, refs[lane].geometry);
+  Rows rows;
+  fill_rows(writer, rows, refs, geometry);
+  name_lanes(refs, leaf);
+  write_table(rows, refs.size(), leaf);
+  leaf.geometry = geometry[0];
+  leaf.mixed = writer.form == LeafForm::full || !one_geometry(refs);
+}
+
+/// Zeroes to the granule's end, and perhaps as many behind it.
+void pad(TriangleLeaf& leaf) {
+  std::memset(reinterpret_cast<std::byte*>(leaf.row(3)), 0, granule_bytes);
+}
+
 }  // namespace
 
 uint64_t TriangleLeafWriter::write(std::span<const PrimitiveRef> refs, std::byte* address) const {
   auto& leaf = *reinterpret_cast<TriangleLeaf*>(address);
-  const auto count = static_cast<uint32_t>(refs.size());
   const TriangleGeometry& first = geometries[refs[0].geometry];
-  uint32_t geometry[leaf_lanes] = {};
-  uint32_t different = 0;
-  std::fill_n(leaf.primitive, leaf_lanes, no_index);
-  for (size_t lane = 0; lane < count; ++lane) {
-    leaf.primitive[lane] = refs[lane].primitive;
-    geometry[lane] = refs[lane].geometry | (geometries[refs[lane].geometry].flags & 0x7F) << 24;
-    different |= geometry[lane] ^ geometry[0];
+  const bool by_index =
+      form == LeafForm::index_table && first.index_format != IndexFormat::none && one_geometry(refs);
+  if (by_index && write_by_index(first, refs, leaf) <= table_slots) {
+    leaf.geometry = geometry_word(geometries, refs[0].geometry);
+    pad(leaf);
+    return leaf.bytes();
   }
-  Rows rows;
-  const bool by_index = form == LeafForm::index_table && different == 0 && first.index_format != IndexFormat::none;
-  if (by_index) fill_table(rows, first, refs);
-  if (!by_index || rows.slots > table_slots) fill_rows(*this, rows, refs, geometry);
-  const bool mixed = form == LeafForm::full || different != 0;
-  std::memcpy(leaf.corner, rows.corner, sizeof(leaf.corner));
-  leaf.geometry = geometry[0];
-  leaf.count = static_cast<uint8_t>(count);
-  leaf.slots = static_cast<uint8_t>(rows.slots);
-  leaf.mixed = mixed;
-  leaf.reserved = 0;
-  write_rows(rows, leaf);
-  const uint64_t used = sizeof(TriangleLeaf) + 3 * sizeof(float) * rows.slots, bytes = leaf.bytes();
-  std::memset(address + used, 0, bytes - used);
-  if (mixed) std::memcpy(leaf.row(3), geometry, sizeof(geometry));
-  return bytes;
+  uint32_t geometry[leaf_lanes] = {};
+  write_any(*this, refs, leaf, geometry);
+  pad(leaf);
+  if (leaf.mixed) std::memcpy(leaf.row(3), geometry, sizeof(geometry));
+  return leaf.bytes();
 }
 
 void TriangleLeafWriter::prefetch_indices(std::span<const PrimitiveRef> refs) const {

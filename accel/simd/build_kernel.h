@@ -3,6 +3,7 @@
 // What builders do to many triangles at once, in vectors. Results have the bits that the scalar code gives.
 
 #include <rayloom/accel/build_input.h>
+#include <rayloom/accel/layout.h>
 #include <rayloom/accel/morton.h>
 
 namespace rayloom::accel {
@@ -22,6 +23,9 @@ struct BuildKernel {
   MortonKey* (*make_keys)(const KeyRange&, MortonKey* out, Box& centres);
   /// The box of all finite ones of `count` vertices of three floats each.
   Box (*vertex_bounds)(const std::byte* vertices, size_t count);
+  /// Writes the leaf of 1 to 8 triangles of one geometry, all but its geometry word, and returns how many entries its
+  /// table has; more than table_slots: nothing was written. `leaf` has room for a PlainTriangleLeaf.
+  uint32_t (*write_table_leaf)(const TriangleGeometry&, std::span<const PrimitiveRef>, TriangleLeaf& leaf);
 };
 
 /// Of the instruction set in use; null where that has no vectors.

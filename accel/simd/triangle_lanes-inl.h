@@ -72,6 +72,13 @@ class TriangleReader {
     return result;
   }
 
+  HWY_INLINE IndexLanes indices(WordLanes triangle) const {
+    const auto offset = hn::BitCast(Ints(), hn::Mul(triangle, hn::Set(Words(), 12)));
+    IndexLanes result;
+    for (int v = 0; v < 3; ++v) result.vertex[v] = hn::GatherOffset(Words(), indices_ + v, offset);
+    return result;
+  }
+
   HWY_INLINE bool in_range(const IndexLanes& indices) const {
     const WordLanes most = hn::Max(hn::Max(indices.vertex[0], indices.vertex[1]), indices.vertex[2]);
     return hn::AllTrue(Words(), hn::Lt(most, vertex_count_));
