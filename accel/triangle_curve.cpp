@@ -119,6 +119,9 @@ uint64_t TriangleCurve::code(uint32_t number) const {
 }
 
 void TriangleCurve::gather(std::span<const MortonKey> keys, PrimitiveRef* refs) const {
+  const auto geometries = numbers_.geometries();
+  if (const BuildKernel* const kernel = build_kernel(); kernel && geometries.size() == 1 && vectors_read(geometries[0]))
+    return kernel->gather_refs({&geometries[0], 0, 0}, keys, refs);
   for (size_t i = 0; i < keys.size(); ++i) {
     if (i + indices_ahead < keys.size()) prefetch_indices(keys[i + indices_ahead].index);
     if (i + vertices_ahead < keys.size()) prefetch_vertices(keys[i + vertices_ahead].index);

@@ -5,6 +5,7 @@
 #include <rayloom/accel/build_input.h>
 #include <rayloom/accel/layout.h>
 #include <rayloom/accel/morton.h>
+#include <rayloom/accel/sequence_split.h>
 
 namespace rayloom::accel {
 
@@ -17,15 +18,26 @@ struct KeyRange {
   const MortonCurve* curve;
 };
 
+/// The triangles of a geometry that vectors can read.
+struct RefRange {
+  const TriangleGeometry* geometry;
+  uint32_t index;         ///< of the geometry
+  uint32_t first_number;  ///< of its triangles
+};
+
 struct BuildKernel {
   /// Writes the keys of active triangles to `out` and returns their end; null for an index out of range. Extends
   /// `centres` by their centres.
   MortonKey* (*make_keys)(const KeyRange&, MortonKey* out, Box& centres);
   /// The box of all finite ones of `count` vertices of three floats each.
   Box (*vertex_bounds)(const std::byte* vertices, size_t count);
+  /// References to the triangles, all of this geometry, that keys name.
+  void (*gather_refs)(const RefRange&, std::span<const MortonKey>, PrimitiveRef* refs);
   /// Writes the leaf of 1 to 8 triangles of one geometry, all but its geometry word, and returns how many entries its
   /// table has; more than table_slots: nothing was written. `leaf` has room for a PlainTriangleLeaf.
   uint32_t (*write_table_leaf)(const TriangleGeometry&, std::span<const PrimitiveRef>, TriangleLeaf& leaf);
+  /// cheapest_cut() for leaves of eight.
+  SequenceCut (*cheapest_cut)(std::span<const PrimitiveRef>, const Box4& box, uint64_t block_budget);
 };
 
 /// Of the instruction set in use; null where that has no vectors.
