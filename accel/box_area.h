@@ -24,8 +24,6 @@ class BoxArea {
     return d[0] * d[1] + d[2] * (d[0] + d[1]);
   }
 
-  /// What extents are multiplied by.
-  float scale() const { return scale_[0]; }
   /// The half area that counts as 1.
   double unit() const { return unit_; }
 

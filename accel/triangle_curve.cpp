@@ -103,8 +103,9 @@ Box TriangleCurve::make_keys_on(const MortonCurve& curve) {
   for (uint32_t g = 0; g < geometries.size(); ++g) {
     std::vector<Box> centres(chunk_count(geometries[g].triangle_count));
     append_chunks(keys_, geometries[g].triangle_count, [&](size_t chunk, size_t begin, size_t end, MortonKey* out) {
-      const KeyRange range{&geometries[g], static_cast<uint32_t>(begin), static_cast<uint32_t>(end), numbers_.begin(g),
-                           keep_degenerate_, &curve};
+      const KeyRange range{
+          &geometries[g], static_cast<uint32_t>(begin), static_cast<uint32_t>(end), numbers_.begin(g), keep_degenerate_,
+          &curve};
       return make_keys(range, g, out, centres[chunk]);
     });
     for (const Box& box : centres) all.extend(box);

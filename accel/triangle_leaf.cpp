@@ -208,17 +208,14 @@ void write_any(const TriangleLeafWriter& writer, std::span<const PrimitiveRef> r
 }
 
 /// Zeroes to the granule's end, and perhaps as many behind it.
-void pad(TriangleLeaf& leaf) {
-  std::memset(reinterpret_cast<std::byte*>(leaf.row(3)), 0, granule_bytes);
-}
+void pad(TriangleLeaf& leaf) { std::memset(reinterpret_cast<std::byte*>(leaf.row(3)), 0, granule_bytes); }
 
 }  // namespace
 
 uint64_t TriangleLeafWriter::write(std::span<const PrimitiveRef> refs, std::byte* address) const {
   auto& leaf = *reinterpret_cast<TriangleLeaf*>(address);
   const TriangleGeometry& first = geometries[refs[0].geometry];
-  const bool by_index =
-      form == LeafForm::index_table && first.index_format != IndexFormat::none && one_geometry(refs);
+  const bool by_index = form == LeafForm::index_table && first.index_format != IndexFormat::none && one_geometry(refs);
   if (by_index && write_by_index(first, refs, leaf) <= table_slots) {
     leaf.geometry = geometry_word(geometries, refs[0].geometry);
     pad(leaf);

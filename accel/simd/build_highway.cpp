@@ -8,7 +8,6 @@
 #include <hwy/foreach_target.h>  // before highway.h
 
 #include <rayloom/accel/simd/leaf_table-inl.h>
-#include <rayloom/accel/simd/sequence_cut-inl.h>
 #include <rayloom/accel/simd/triangle_keys-inl.h>
 #include <rayloom/accel/simd/triangle_refs-inl.h>
 #include <rayloom/accel/trace.h>
@@ -16,8 +15,10 @@
 #if HWY_ONCE
 namespace rayloom::accel {
 namespace {
-constexpr BuildKernel avx2_kernel{N_AVX2::make_keys, N_AVX2::vertex_bounds, N_AVX2::gather_refs, N_AVX2::write_table_leaf, N_AVX2::cheapest_cut_of_eights};
-constexpr BuildKernel avx512_kernel{N_AVX3::make_keys, N_AVX3::vertex_bounds, N_AVX3::gather_refs, N_AVX3::write_table_leaf, N_AVX3::cheapest_cut_of_eights};
+constexpr BuildKernel avx2_kernel{N_AVX2::make_keys, N_AVX2::vertex_bounds, N_AVX2::gather_refs,
+                                  N_AVX2::write_table_leaf};
+constexpr BuildKernel avx512_kernel{N_AVX3::make_keys, N_AVX3::vertex_bounds, N_AVX3::gather_refs,
+                                    N_AVX3::write_table_leaf};
 }  // namespace
 
 const BuildKernel* build_kernel() {

@@ -5,7 +5,6 @@
 #include <rayloom/accel/build_input.h>
 #include <rayloom/accel/layout.h>
 #include <rayloom/accel/morton.h>
-#include <rayloom/accel/sequence_split.h>
 
 namespace rayloom::accel {
 
@@ -36,8 +35,6 @@ struct BuildKernel {
   /// Writes the leaf of 1 to 8 triangles of one geometry, all but its geometry word, and returns how many entries its
   /// table has; more than table_slots: nothing was written. `leaf` has room for a PlainTriangleLeaf.
   uint32_t (*write_table_leaf)(const TriangleGeometry&, std::span<const PrimitiveRef>, TriangleLeaf& leaf);
-  /// cheapest_cut() for leaves of eight.
-  SequenceCut (*cheapest_cut)(std::span<const PrimitiveRef>, const Box4& box, uint64_t block_budget);
 };
 
 /// Of the instruction set in use; null where that has no vectors.

@@ -93,8 +93,8 @@ struct EntryTable {
     const Bytes16 d;
     const auto number = hn::ZeroExtendVector(d, hn::DemoteTo(Bytes8(), hn::BitCast(Ints(), first)));
     const auto place = hn::And(number, hn::Set(d, uint8_t{15}));
-    const auto found = hn::IfThenElse(hn::Eq(number, place), hn::TableLookupBytes(low, place),
-                                      hn::TableLookupBytes(high, place));
+    const auto found =
+        hn::IfThenElse(hn::Eq(number, place), hn::TableLookupBytes(low, place), hn::TableLookupBytes(high, place));
     return hn::GetLane(hn::BitCast(hn::FixedTag<uint64_t, 2>(), found));
   }
 
@@ -120,8 +120,7 @@ HWY_INLINE WordLanes compressed(WordLanes from, uint32_t bits, uint32_t to) {
 }
 
 /// The table's coordinates: 16 entries a row, of which the next row takes back those that are too many.
-HWY_INLINE void write_rows(const TriangleReader& reader, const IndexLanes& indices, const FirstOnes& ones,
-                           float* row) {
+HWY_INLINE void write_rows(const TriangleReader& reader, const IndexLanes& indices, const FirstOnes& ones, float* row) {
   const Words d;
   const uint32_t end0 = ones.count[0], end1 = end0 + ones.count[1], slots = ones.slots();
   const WordLanes part0 = compressed(indices.vertex[0], ones.bits[0], 0),

@@ -117,8 +117,7 @@ HWY_INLINE ExtentLanes box_of(const CornerLanes& triangle) {
 HWY_INLINE PointLanes centre_of(const ExtentLanes& box) {
   PointLanes centre;
   const auto half = hn::Set(Floats(), 0.5f);
-  for (int k = 0; k < 3; ++k)
-    centre.axis[k] = hn::Add(hn::Mul(half, box.min.axis[k]), hn::Mul(half, box.max.axis[k]));
+  for (int k = 0; k < 3; ++k) centre.axis[k] = hn::Add(hn::Mul(half, box.min.axis[k]), hn::Mul(half, box.max.axis[k]));
   return centre;
 }
 
@@ -134,8 +133,7 @@ HWY_INLINE LaneMask kept(const CornerLanes& triangle, bool keep_degenerate) {
     for (const FloatLanes& x : point.axis) none = hn::Add(none, hn::Sub(x, x));
   const LaneMask finite = hn::Eq(none, none);
   if (keep_degenerate) return finite;
-  const LaneMask equal =
-      hn::Or(hn::Or(equal_points(c[0], c[1]), equal_points(c[1], c[2])), equal_points(c[2], c[0]));
+  const LaneMask equal = hn::Or(hn::Or(equal_points(c[0], c[1]), equal_points(c[1], c[2])), equal_points(c[2], c[0]));
   return hn::AndNot(equal, finite);
 }
 

@@ -4,6 +4,9 @@
 
 #include <catch2/catch.hpp>
 
+#include <cstring>
+#include <limits>
+
 #include "check_structure.h"
 #include "random.h"
 
@@ -44,6 +47,28 @@ TEST_CASE("structures of many parts keep every promise of the layout") {
         CHECK(checker.facts.nodes <= node_bound(checker.facts.leaves));
         CHECK(block.header().sah_cost > 1);
       }
+}
+
+TEST_CASE("the instruction set does not show in a structure's bytes") {
+  Mesh mesh = crowded(20000, 133);
+  for (const auto& triangle : bumpy_sphere(5).triangles) mesh.triangles.push_back(triangle);
+  mesh.vertices[7][1] = std::numeric_limits<float>::infinity();
+  mesh.vertices[12] = {-0.0f, 0.0f, -0.0f};
+  mesh.triangles[100][1] = mesh.triangles[100][0];
+  const Isa before = current_isa();
+  for (const Builder builder : in_parts) {
+    set_isa(Isa::scalar);
+    const Block plain = build_mesh(mesh, geometry_flag::opaque, {0, builder});
+    for (const Isa isa : {Isa::avx2, Isa::avx512}) {
+      if (!isa_supported(isa)) continue;
+      set_isa(isa);
+      const Block block = build_mesh(mesh, geometry_flag::opaque, {0, builder});
+      CAPTURE(builder_name(builder), isa_name(isa));
+      REQUIRE(block.header().bytes == plain.header().bytes);
+      CHECK(std::memcmp(block.data(), plain.data(), plain.header().bytes) == 0);
+    }
+  }
+  set_isa(before);
 }
 
 TEST_CASE("nodes have children nearly as many as fit, inner ones first") {
