@@ -12,8 +12,6 @@ namespace {
 constexpr uint32_t table_slots = TriangleLeaf::table_slots, plain_slots = TriangleLeaf::plain_slots;
 constexpr uint32_t most_corners = 3 * leaf_lanes;
 
-using detail::Mask4;
-
 /// Rows of the table, with room for as many entries as there are corners.
 struct Rows {
   float axis[3][most_corners];
@@ -22,14 +20,12 @@ struct Rows {
 
   /// Four points from entry `first` on, coordinate by coordinate.
   void set_four(uint32_t first, const Float4* p) {
-    using Order = detail::Mask4;
-    const Float4 xy01 = __builtin_shuffle(p[0], p[1], Order{0, 4, 1, 5}),
-                 xy23 = __builtin_shuffle(p[2], p[3], Order{0, 4, 1, 5}),
-                 z01 = __builtin_shuffle(p[0], p[1], Order{2, 6, 2, 6}),
-                 z23 = __builtin_shuffle(p[2], p[3], Order{2, 6, 2, 6});
-    const Float4 x = __builtin_shuffle(xy01, xy23, Order{0, 1, 4, 5}),
-                 y = __builtin_shuffle(xy01, xy23, Order{2, 3, 6, 7}),
-                 z = __builtin_shuffle(z01, z23, Order{0, 1, 4, 5});
+    const Float4 xy01 = __builtin_shufflevector(p[0], p[1], 0, 4, 1, 5),
+                 xy23 = __builtin_shufflevector(p[2], p[3], 0, 4, 1, 5),
+                 z01 = __builtin_shufflevector(p[0], p[1], 2, 6, 2, 6),
+                 z23 = __builtin_shufflevector(p[2], p[3], 2, 6, 2, 6);
+    const Float4 x = __builtin_shufflevector(xy01, xy23, 0, 1, 4, 5),
+                 y = __builtin_shufflevector(xy01, xy23, 2, 3, 6, 7), z = __builtin_shufflevector(z01, z23, 0, 1, 4, 5);
     std::memcpy(axis[0] + first, &x, sizeof(x));
     std::memcpy(axis[1] + first, &y, sizeof(y));
     std::memcpy(axis[2] + first, &z, sizeof(z));

@@ -89,7 +89,7 @@ inline Mask4 finite(Float4 x) {
 inline bool is_kept(const Corners4& corners, bool keep_degenerate) {
   const Float4(&c)[3] = corners.corner;
   if (!detail::all(detail::finite(c[0]) & detail::finite(c[1]) & detail::finite(c[2]))) return false;
-  return keep_degenerate || !(detail::all(c[0] == c[1]) | detail::all(c[1] == c[2]) | detail::all(c[2] == c[0]));
+  return keep_degenerate || !(detail::all(c[0] == c[1]) || detail::all(c[1] == c[2]) || detail::all(c[2] == c[0]));
 }
 
 }  // namespace rayloom::accel
