@@ -14,6 +14,7 @@
 #include <rayloom/accel/ray_run.h>
 #ifdef HWY_TARGET_INCLUDE
 #include <rayloom/accel/packet_instances-inl.h>
+#include <rayloom/accel/packet_occlusion-inl.h>
 #endif
 
 #include <vector>
@@ -63,6 +64,9 @@ inline bool worth_entering(const TraceRequest& request) {
 }
 
 /// Closest hits of rays that may find something and do not go together.
+inline void trace_apart(AddressSpace addresses, const RayRun& rays, uint8_t* results) {
+  interleave<Order::stored>(addresses, rays, results);
+}
 inline void trace_apart(AddressSpace addresses, const RayRun& rays, Hit* hits) {
   constexpr size_t worth_interleaving = 4;
   if (rays.count < worth_interleaving)
@@ -72,68 +76,106 @@ inline void trace_apart(AddressSpace addresses, const RayRun& rays, Hit* hits) {
 }
 
 #ifdef HWY_TARGET_INCLUDE
-/// Groups of rays that go together as packets, the others apart; those of short runs are brought together so that they
-/// have company. Packets: TrianglePackets or InstancePackets.
-template <class Packets>
-class PacketBatch {
+/// Rays that are no part of a packet: long runs are traced where they lie; those of short runs are brought together, so
+/// that they have company. Result: Hit or, for rays that only want to know whether they hit anything, a byte.
+template <class Result>
+class RaysApart {
  public:
-  PacketBatch(AddressSpace addresses, const RayRun& rays, Hit* hits)
-      : addresses_(addresses), rays_(rays), hits_(hits), packets_(addresses, rays) {}
+  RaysApart(AddressSpace addresses, const RayRun& rays, Result* results)
+      : addresses_(addresses), rays_(rays), results_(results) {}
 
-  /// Returns the number of rays traced in packets.
-  size_t run() {
-    size_t begin = 0;  // of a run of groups that are no packets
-    for (size_t i = 0; i + packet_size <= rays_.count; i += packet_size) {
-      const uint32_t left = packets_.trace(i, &hits_[i]);
-      if (left == all_rays) continue;
-      trace_others(begin, i);
-      begin = i + packet_size;
-      for (uint32_t ray = left; ray != 0; ray &= ray - 1) add_stray(i + static_cast<size_t>(std::countr_zero(ray)));
-    }
-    trace_others(begin, rays_.count);
-    trace_strays();
-    return rays_.count - apart_;
+  /// In ascending order.
+  void add(size_t begin, size_t count) {
+    if (begin != end_) trace_run_so_far(begin);
+    end_ = begin + count;
   }
+
+  /// What has not been traced yet.
+  void finish() {
+    trace_run_so_far(end_);
+    if (strays_.empty()) return;
+    std::vector<Result> found(strays_.size());
+    trace_apart(addresses_, {rays_.shared, strays_.data(), sizeof(Ray), strays_.size()}, found.data());
+    for (size_t i = 0; i < found.size(); ++i) *stray_results_[i] = found[i];
+  }
+
+  size_t count() const { return count_; }
 
  private:
   static constexpr size_t long_run = 8 * packet_size;
 
+  /// The next one begins at `next`.
+  void trace_run_so_far(size_t next) {
+    const size_t length = end_ - begin_;
+    count_ += length;
+    if (length >= long_run || length == rays_.count)
+      trace_apart(addresses_, rays_.part(begin_, length), &results_[begin_]);
+    else
+      for (; begin_ != end_; ++begin_) add_stray(begin_);
+    begin_ = end_ = next;
+  }
+
   void add_stray(size_t i) {
     strays_.push_back(rays_[i]);
-    stray_hits_.push_back(&hits_[i]);
-  }
-
-  void trace_others(size_t begin, size_t end) {
-    if (end - begin >= long_run) {
-      apart_ += end - begin;
-      trace_apart(addresses_, rays_.part(begin, end - begin), &hits_[begin]);
-    } else {
-      for (size_t i = begin; i < end; ++i) add_stray(i);
-    }
-  }
-
-  void trace_strays() {
-    if (strays_.empty()) return;
-    apart_ += strays_.size();
-    std::vector<Hit> found(strays_.size());
-    trace_apart(addresses_, {rays_.shared, strays_.data(), sizeof(Ray), strays_.size()}, found.data());
-    for (size_t i = 0; i < found.size(); ++i) *stray_hits_[i] = found[i];
+    stray_results_.push_back(&results_[i]);
   }
 
   AddressSpace addresses_;
   RayRun rays_;
-  Hit* hits_;
-  size_t apart_ = 0;
+  Result* results_;
+  size_t count_ = 0;
+  size_t begin_ = 0, end_ = 0;  ///< of the run so far
   std::vector<Ray> strays_;
-  std::vector<Hit*> stray_hits_;
-  Packets packets_;
+  std::vector<Result*> stray_results_;
 };
+
+/// Groups of rays that go together as packets, the others apart. Packets: TrianglePackets or InstancePackets. Returns
+/// the number of rays traced in packets.
+template <class Packets>
+size_t trace_groups(AddressSpace addresses, const RayRun& rays, Hit* hits) {
+  Packets packets(addresses, rays);
+  RaysApart<Hit> apart(addresses, rays, hits);
+  size_t i = 0;
+  for (; i + packet_size <= rays.count; i += packet_size) {
+    uint32_t left = packets.trace(i, &hits[i]);
+    for (; left != 0; left &= left - 1) apart.add(i + static_cast<size_t>(std::countr_zero(left)), 1);
+  }
+  apart.add(i, rays.count - i);
+  apart.finish();
+  return rays.count - apart.count();
+}
 
 /// Returns the number of rays traced in packets, at least packet_size of which are given.
 inline size_t trace_in_packets(AddressSpace addresses, const RayRun& rays, Hit* hits) {
   if (header_of(rays.shared->structure).kind == StructureKind::instances)
-    return PacketBatch<InstancePackets>(addresses, rays, hits).run();
-  return PacketBatch<TrianglePackets>(addresses, rays, hits).run();
+    return trace_groups<InstancePackets>(addresses, rays, hits);
+  return trace_groups<TrianglePackets>(addresses, rays, hits);
+}
+
+/// Whether two rays may go together in a bundle, without looking at where they begin.
+inline bool alike(const Ray& a, const Ray& b) {
+  float longest = 0, difference = 0;
+  for (int k = 0; k < 3; ++k) {
+    longest = std::max(longest, std::fabs(a.direction[k]));
+    difference = std::max(difference, std::fabs(a.direction[k] - b.direction[k]));
+  }
+  return difference <= longest * BundleRays::largest_difference;
+}
+
+/// Of a few pairs of neighbours, whether most are alike. Rays of which this is false are not worth a closer look.
+inline bool look_alike(const RayRun& rays) {
+  constexpr size_t pairs = 4;
+  size_t count = 0;
+  for (size_t i = 0; i < pairs; ++i) count += alike(rays[i * rays.count / pairs], rays[i * rays.count / pairs + 1]);
+  return count > pairs / 2;
+}
+
+/// The same of rays that only want to know whether they hit anything, in a structure of triangles.
+inline size_t occlude_in_packets(AddressSpace addresses, const RayRun& rays, uint8_t* results) {
+  RaysApart<uint8_t> apart(addresses, rays, results);
+  OcclusionPackets(rays, results).run([&](size_t begin, size_t count) { apart.add(begin, count); });
+  apart.finish();
+  return rays.count - apart.count();
 }
 #endif
 
@@ -169,8 +211,16 @@ inline void trace_run(AddressSpace addresses, const RayRun& rays, Hit* hits) {
 
 /// results[i]: whether ray i hits anything.
 inline void occlude_run(AddressSpace addresses, const RayRun& rays, uint8_t* results) {
-  if (!rays.shared->candidate && worth_entering(*rays.shared))
-    return interleave<Order::stored>(addresses, rays, results);
+  if (!rays.shared->candidate && worth_entering(*rays.shared)) {
+#ifdef HWY_TARGET_INCLUDE
+    const bool flat = header_of(rays.shared->structure).kind == StructureKind::triangles;
+    if (flat && rays.count >= packet_size && look_alike(rays)) {
+      occlude_in_packets(addresses, rays, results);
+      return;
+    }
+#endif
+    return trace_apart(addresses, rays, results);
+  }
   if (!rays.shared->candidate && rays.shared->structure && is_lazy(header_of(rays.shared->structure)))
     return occlude_lazily(addresses, rays, results);
   TraceRequest request = *rays.shared;

@@ -23,30 +23,38 @@ inline Outcome resolve_opacity(bool opaque, uint32_t instance_flags, uint32_t ra
   return opaque ? Outcome::commit : Outcome::ask;
 }
 
-/// Rules of one ray inside one instance, made once on entry.
-struct InstanceRules {
-  uint32_t instance_index;
-  const std::byte* instance;  ///< its record; null when a bottom level is traced directly
-  Outcome outcome[2];         ///< by the geometry's opaque flag
-  bool swap_facing;
+/// What flags of a ray and an instance make of triangles. Eight bytes, so that a copy is one move: processors wait
+/// where a load takes what several stores wrote.
+struct alignas(8) HitRules {
+  Outcome outcome[2];     ///< by the geometry's opaque flag
   bool culled_facing[2];  ///< by "is front"
+  bool swap_facing;
+  bool accepts_all;  ///< every triangle hit, for rays without candidate function
+  uint16_t unused = 0;
 
-  InstanceRules() = default;
-  InstanceRules(uint32_t index, uint32_t instance_flags, uint32_t ray_flags, const std::byte* record)
-      : instance_index(index), instance(record) {
+  HitRules() = default;
+  HitRules(uint32_t instance_flags, uint32_t ray_flags) {
     for (const bool opaque : {false, true}) outcome[opaque] = resolve_opacity(opaque, instance_flags, ray_flags);
     const bool cull = !(instance_flags & instance_flag::triangle_cull_disable);
     swap_facing = instance_flags & instance_flag::triangle_front_counterclockwise;
     culled_facing[false] = cull && (ray_flags & ray_flag::cull_back_facing_triangles);
     culled_facing[true] = cull && (ray_flags & ray_flag::cull_front_facing_triangles);
+    accepts_all = outcome[0] != Outcome::cull && outcome[1] != Outcome::cull && !culled_facing[0] && !culled_facing[1];
   }
+};
+static_assert(sizeof(HitRules) == 8);
 
-  /// Whether every triangle hit is accepted by a ray without candidate function.
-  bool accepts_all() const {
-    return outcome[0] != Outcome::cull && outcome[1] != Outcome::cull && !culled_facing[0] && !culled_facing[1];
-  }
+/// Rules of one ray inside one instance, made once on entry.
+struct InstanceRules {
+  HitRules hits;
+  const std::byte* instance;  ///< its record; null when a bottom level is traced directly
+  uint32_t instance_index;
 
-  Outcome outcome_of(uint32_t geometry_word) const { return outcome[geometry_word >> 24 & geometry_flag::opaque]; }
+  InstanceRules() = default;
+  InstanceRules(uint32_t index, uint32_t instance_flags, uint32_t ray_flags, const std::byte* record)
+      : hits(instance_flags, ray_flags), instance(record), instance_index(index) {}
+
+  Outcome outcome_of(uint32_t geometry_word) const { return hits.outcome[geometry_word >> 24 & geometry_flag::opaque]; }
 };
 
 inline constexpr uint32_t geometry_index(uint32_t geometry_word) { return geometry_word & 0xFFFFFFu; }

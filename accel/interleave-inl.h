@@ -39,7 +39,6 @@ struct alignas(64) Task {
   uint32_t base;  ///< number of stack entries under those of the current level
   bool ended;
   bool in_triangles;  ///< whether the leaves of the current level are triangles, not instances
-  bool accepts_all;   ///< InstanceRules::accepts_all()
   Level* level;       ///< the one of `levels` that `ref` belongs to
   size_t index;       ///< of the ray and its result
   Search search;
@@ -86,7 +85,6 @@ class Interleaver {
     for (size_t i = 0; i < std::min(rays_.count, width); ++i) {
       tasks_[i].search = Search(*rays_.shared);
       tasks_[i].rules = rules_;
-      tasks_[i].accepts_all = rules_.accepts_all();
       if (start_next(tasks_[i])) set_ends(file(tasks_[i], ends()));
     }
     while (nodes_->count + leaves_->count + others_->count != 0) {
@@ -191,7 +189,7 @@ class Interleaver {
   /// Whether a ray that needs no hit, but to know whether there is one, has its answer.
   static bool occludes(const Task& task, const LeafMasks& masks) {
     if constexpr (std::is_same_v<Result, Hit>) return false;
-    return task.accepts_all & ((masks.certain & masks.inside) != 0);
+    return task.rules.hits.accepts_all & ((masks.certain & masks.inside) != 0);
   }
 
   static Ends finish_leaf(const Met& met, Ends to) {
@@ -266,8 +264,7 @@ class Interleaver {
       Ray ray;
       object_ray_lanes(instance, task.search.ray(), ray);
       if (task.enter(1, block, BoundsLanes(header, 1), entry_of<lazy>(instance, header), ray)) {
-        set_rules(task.rules, instance, request, rules_);
-        task.accepts_all = task.rules.accepts_all();
+        set_rules(task.rules, instance, request, rules_.hits);
         return;
       }
     }

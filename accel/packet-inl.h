@@ -1,7 +1,7 @@
-// Coherent closest-hit rays, many at once through a structure of triangles: a node is fetched and its children are
-// ordered once for all of them. What a packet visits differs from what its rays would visit alone; what it finds does
-// not, because hits are exact and totally ordered (G1, G3b). Only for targets with vectors; re-included once per target
-// as traverse-inl.h is.
+// Coherent closest-hit rays of one origin, many at once through a structure of triangles: a node is fetched and its
+// children are ordered once for all of them. What a packet visits differs from what its rays would visit alone; what it
+// finds does not, because hits are exact and totally ordered (G1, G3b). Only for targets with vectors; re-included once
+// per target as traverse-inl.h is.
 
 // clang-format off: the guard flips for each target.
 #if defined(RAYLOOM_ACCEL_PACKET_INL_H) == defined(HWY_TARGET_TOGGLE)
@@ -74,14 +74,14 @@ class PacketTriangles {
   HWY_INLINE uint32_t visit_triangle(const TriangleLeaf& leaf, uint32_t lane, const PacketMasks& masks) {
     uint32_t committed = 0, one_by_one = masks.undecided;
     if (HWY_LIKELY(masks.certain != 0)) {
-      const PacketRays& rays = walk_.rays();
+      const PencilRays& rays = walk_.rays();
       const PacketHits hits = hit_triangle(rays, PacketCorners(leaf, lane), masks.certain);
       one_by_one |= masks.certain & ~hits.known;
-      const uint32_t front = rules_.swap_facing ? ~hits.front & all_rays : hits.front;
+      const uint32_t front = rules_.hits.swap_facing ? ~hits.front & all_rays : hits.front;
       const PacketMask finite = hn::Le(hits.t, splat(std::numeric_limits<float>::max()));
       uint32_t offered = masks.certain & hits.known & packet_bits(hn::And(hn::Gt(hits.t, rays.t_min), finite));
-      if (rules_.culled_facing[true]) offered &= ~front;
-      if (rules_.culled_facing[false]) offered &= front;
+      if (rules_.hits.culled_facing[true]) offered &= ~front;
+      if (rules_.hits.culled_facing[false]) offered &= front;
       const HitName name{rules_.instance_index, geometry_index(leaf.geometry_of(lane)), leaf.primitive[lane]};
       committed = results_.commit(hits, offered, front, name);
     }

@@ -53,7 +53,7 @@ class InstancePackets {
     const StructureHeader& header = header_of(block);
     if (!passes(instance, *run_.shared, header)) return false;
     InstanceRules rules;
-    set_rules(rules, instance, *run_.shared, plain_);
+    set_rules(rules, instance, *run_.shared, plain_.hits);
     const uint32_t start = entry_of(instance, header);
     const RayRun group = is_identity(instance) ? group_ : transformed(instance, rays);
     uint32_t left = triangles_.trace(group, rays, block, start, rules);

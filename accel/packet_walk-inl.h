@@ -1,5 +1,5 @@
-// What packets of coherent closest-hit rays share on their way through any structure: what they have found, what they
-// have still to visit, and the step through a node. Only for targets with vectors; re-included once per target as
+// What packets of closest-hit rays of one origin share on their way through any structure: what they have found, what
+// they have still to visit, and the step through a node. Only for targets with vectors; re-included once per target as
 // traverse-inl.h is.
 
 // clang-format off: the guard flips for each target.
@@ -165,7 +165,7 @@ class PacketWalk {
   }
 
   const std::byte* block() const { return block_; }
-  const PacketRays& rays() const { return rays_; }
+  const PencilRays& rays() const { return rays_; }
   FloatLanes deepest() const { return deepest_; }
 
  private:
@@ -194,7 +194,7 @@ class PacketWalk {
 
   const std::byte* block_;
   uint32_t taken_;
-  PacketRays rays_;
+  PencilRays rays_;
   PacketVector t_near_, t_far_;       ///< limits of each ray, in box space
   FloatLanes first_near_, last_far_;  ///< of all of them
   FloatLanes deepest_;                ///< no hit in the interval has a larger depth along the dominant axis

@@ -16,6 +16,12 @@ struct RayRun {
   const Ray& operator[](size_t i) const {
     return *reinterpret_cast<const Ray*>(reinterpret_cast<const std::byte*>(first) + i * stride);
   }
+  /// Of the first ray of a part().
+  size_t index_of(const RayRun& part) const {
+    return static_cast<size_t>(reinterpret_cast<const std::byte*>(part.first) -
+                               reinterpret_cast<const std::byte*>(first)) /
+           stride;
+  }
   RayRun part(size_t begin, size_t length) const { return {shared, &(*this)[begin], stride, length}; }
 };
 

@@ -59,9 +59,9 @@ class Search {
                        Visitor& visitor) {
     const HitName name{rules.instance_index, geometry_index(geometry_word), primitive};
     if (hit.t == hit_.t && !triangle_wins_tie(hit_, name)) return Offer::rejected;
-    const bool front = hit.front != rules.swap_facing;
+    const bool front = hit.front != rules.hits.swap_facing;
     const Outcome outcome = rules.outcome_of(geometry_word);
-    if (rules.culled_facing[front] || outcome == Outcome::cull) return Offer::rejected;
+    if (rules.hits.culled_facing[front] || outcome == Outcome::cull) return Offer::rejected;
     const uint32_t kind = front ? hit_kind_triangle_front_face : hit_kind_triangle_back_face;
     const Hit found{hit.t, hit.u, hit.v, name.instance, name.geometry, name.primitive, kind, HitType::triangle};
     if (outcome == Outcome::commit || !request_->candidate) return commit(found);

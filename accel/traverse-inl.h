@@ -260,11 +260,11 @@ inline uint32_t entry_of(const InstanceRecord& instance, const StructureHeader& 
   return instance.entry != 0 ? instance.entry : start_of<lazy>(bottom_level);
 }
 
-/// Makes the rules in an instance. `plain`: those in one without flags. In place: a copy would wait for its parts.
+/// Makes the rules in an instance, in place. `plain`: those in one without flags.
 inline void set_rules(InstanceRules& rules, const InstanceRecord& instance, const TraceRequest& request,
-                      const InstanceRules& plain) {
+                      const HitRules& plain) {
   const uint32_t flags = instance.contribution_and_flags >> 24;
-  rules = flags == 0 ? plain : InstanceRules(0, flags, request.ray_flags, nullptr);
+  rules.hits = flags == 0 ? plain : HitRules(flags, request.ray_flags);
   rules.instance_index = instance.instance_index;
   rules.instance = reinterpret_cast<const std::byte*>(&instance);
 }
@@ -283,7 +283,7 @@ struct InstanceLeavesOf {
     Ray ray;
     object_ray_lanes(*instance, search.ray(), ray);
     InstanceRules rules;
-    set_rules(rules, *instance, request, plain);
+    set_rules(rules, *instance, request, plain.hits);
     visitor.on_enter_instance(instance, ray);
     const uint32_t start = entry_of<lazy>(*instance, header_of(block));
     const bool ended = traverse_bottom<lazy>(block, start, ray, rules, search, visitor);

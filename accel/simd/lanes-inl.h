@@ -139,28 +139,42 @@ HWY_INLINE FloatLanes look_up(FloatLanes low, FloatLanes high, WordLanes index) 
 #endif
 }
 
+/// One vertex of eight triangles, coordinates in the order of a ray's axes.
+struct LeafVertex {
+  FloatLanes x, y, z;
+};
+
+/// From the rows of a table.
+HWY_INLINE LeafVertex look_up_vertex(const float* x, const float* y, const float* z, const uint8_t* corner) {
+  const Floats d;
+  const WordLanes index = hn::PromoteTo(Words(), hn::LoadU(hn::FixedTag<uint8_t, 8>(), corner));
+  return {look_up(hn::LoadU(d, x), hn::LoadU(d, x + 8), index), look_up(hn::LoadU(d, y), hn::LoadU(d, y + 8), index),
+          look_up(hn::LoadU(d, z), hn::LoadU(d, z + 8), index)};
+}
+
+/// The triangles of a leaf, whatever way they are stored.
+struct LeafTriangles {
+  LeafVertex a, b, c;
+  uint32_t used;
+};
+
+/// The third vertices of plain leaves are the entries from 16 on; everything else lies in the first 16.
+HWY_INLINE LeafTriangles load_triangles(const TriangleLeaf& leaf, const uint32_t (&axis)[3]) {
+  const float *const x = leaf.row(axis[0]), *const y = leaf.row(axis[1]), *const z = leaf.row(axis[2]);
+  const size_t third = leaf.slots & (leaf.slots << 1) & 16;
+  static_assert(TriangleLeaf::table_slots == 16 && TriangleLeaf::plain_slots == 24);
+  return {look_up_vertex(x, y, z, leaf.corner[0]), look_up_vertex(x, y, z, leaf.corner[1]),
+          look_up_vertex(x + third, y + third, z + third, leaf.corner[2]), leaf.used_mask()};
+}
+
 /// The vertices of a leaf's triangles in the ray's sheared frame.
 struct ShearedLeaf {
   ShearedVertex a, b, c;
 };
 
-/// One vertex of every triangle, from the rows of a table.
-HWY_INLINE ShearedVertex look_up_vertex(const TriangleLanes& ray, const float* x, const float* y, const float* z,
-                                        const uint8_t* corner) {
-  const Floats d;
-  const WordLanes index = hn::PromoteTo(Words(), hn::LoadU(hn::FixedTag<uint8_t, 8>(), corner));
-  return shear_vertex(ray, look_up(hn::LoadU(d, x), hn::LoadU(d, x + 8), index),
-                      look_up(hn::LoadU(d, y), hn::LoadU(d, y + 8), index),
-                      look_up(hn::LoadU(d, z), hn::LoadU(d, z + 8), index));
-}
-
-/// The third vertices of plain leaves are the entries from 16 on; everything else lies in the first 16.
-HWY_INLINE ShearedLeaf shear_leaf(const TriangleLanes& ray, const TriangleLeaf& leaf) {
-  const float *const x = leaf.row(ray.axis[0]), *const y = leaf.row(ray.axis[1]), *const z = leaf.row(ray.axis[2]);
-  const size_t third = leaf.slots & (leaf.slots << 1) & 16;
-  static_assert(TriangleLeaf::table_slots == 16 && TriangleLeaf::plain_slots == 24);
-  return {look_up_vertex(ray, x, y, z, leaf.corner[0]), look_up_vertex(ray, x, y, z, leaf.corner[1]),
-          look_up_vertex(ray, x + third, y + third, z + third, leaf.corner[2])};
+HWY_INLINE ShearedLeaf shear_triangles(const TriangleLanes& ray, const LeafTriangles& of) {
+  return {shear_vertex(ray, of.a.x, of.a.y, of.a.z), shear_vertex(ray, of.b.x, of.b.y, of.b.z),
+          shear_vertex(ray, of.c.x, of.c.y, of.c.z)};
 }
 
 HWY_INLINE FloatLanes edge_function(const ShearedVertex& a, const ShearedVertex& b) {
@@ -206,10 +220,10 @@ HWY_INLINE DepthMasks<V> compare_depths(const CertainHits<V>& hits, V outer_near
           hn::And(hn::Gt(low, hn::Mul(inner_near, most)), hn::Lt(high, hn::Mul(inner_far, least)))};
 }
 
-/// See scalar::test_triangles().
-HWY_INLINE LeafMasks test_triangles(const TriangleLanes& ray, const TriangleLeaf& leaf, const DepthInterval& depths) {
+HWY_INLINE LeafMasks test_triangles(const TriangleLanes& ray, const LeafTriangles& triangles,
+                                    const DepthLimits& depths) {
   const Floats d;
-  const auto [a, b, c] = shear_leaf(ray, leaf);
+  const auto [a, b, c] = shear_triangles(ray, triangles);
   const FloatLanes ab = edge_function(a, b), bc = edge_function(b, c), ca = edge_function(c, a);
   const FloatLanes sign = hn::Set(d, depths.sign);
   const FloatLanes az = hn::Xor(a.z, sign), bz = hn::Xor(b.z, sign), cz = hn::Xor(c.z, sign);
@@ -229,8 +243,13 @@ HWY_INLINE LeafMasks test_triangles(const TriangleLanes& ray, const TriangleLeaf
       compare_depths<FloatLanes>({{ab, bc, ca}, {az, bz, cz}, bound, depth}, outer_near, outer_far,
                                  hn::Set(d, depths.inner_near), hn::Set(d, depths.inner_far));
   const LaneMask out = hn::Or(hn::Or(missed, outside), hn::And(hit, of_hit.outside));
-  const uint32_t possible = leaf.used_mask() & ~mask_bits(out), certain = possible & mask_bits(hit);
+  const uint32_t possible = triangles.used & ~mask_bits(out), certain = possible & mask_bits(hit);
   return {possible, certain, certain & mask_bits(of_hit.inside)};
+}
+
+/// See scalar::test_triangles().
+HWY_INLINE LeafMasks test_triangles(const TriangleLanes& ray, const TriangleLeaf& leaf, const DepthLimits& depths) {
+  return test_triangles(ray, load_triangles(leaf, ray.axis), depths);
 }
 
 #endif  // HWY_TARGET

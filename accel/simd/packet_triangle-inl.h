@@ -11,7 +11,7 @@
 #endif
 // clang-format on
 
-#include <rayloom/accel/simd/packet_rays-inl.h>
+#include <rayloom/accel/simd/pencil_rays-inl.h>
 #include <rayloom/accel/triangle_determinants.h>
 
 HWY_BEFORE_NAMESPACE();
@@ -42,9 +42,9 @@ struct PacketEdge {
 /// What the rays share of the triangles of a leaf: edge functions, a bound on their errors, depths.
 struct alignas(64) PacketLeaf {
   /// Also returns the triangles that some of the rays may hit at a depth of at most `deepest`.
-  HWY_INLINE uint32_t load(const PacketRays& rays, const TriangleLeaf& leaf, FloatLanes deepest) {
+  HWY_INLINE uint32_t load(const PencilRays& rays, const TriangleLeaf& leaf, FloatLanes deepest) {
     const Floats d;
-    const auto [a, b, c] = shear_leaf(rays.middle, leaf);
+    const auto [a, b, c] = shear_triangles(rays.middle, load_triangles(leaf, rays.middle.axis));
     const FloatLanes reach = hn::Max(hn::Max(hn::Abs(a.z), hn::Abs(b.z)), hn::Abs(c.z));
     const FloatLanes extent = hn::Add(hn::Add(a.extent(), b.extent()), c.extent());
     const FloatLanes lateral = hn::Mul(hn::MulAdd(hn::Set(d, 2.25f), extent, hn::Mul(hn::Set(d, 5), reach)), extent);
@@ -80,7 +80,7 @@ struct alignas(64) PacketLeaf {
   }
 
   /// Whether one edge function is positive and another negative for every slope of the packet.
-  static HWY_INLINE LaneMask missed_by_all(const PacketRays& rays, FloatLanes error, const PacketEdge& ab,
+  static HWY_INLINE LaneMask missed_by_all(const PencilRays& rays, FloatLanes error, const PacketEdge& ab,
                                            const PacketEdge& bc, const PacketEdge& ca) {
     const auto spread = [&](const PacketEdge& edge) HWY_ATTR {
       return hn::MulAdd(rays.widest[0], hn::Abs(edge.by_x), hn::MulAdd(rays.widest[1], hn::Abs(edge.by_y), error));
@@ -99,7 +99,7 @@ struct PacketMasks {
 };
 
 struct PacketEdges {
-  HWY_INLINE PacketEdges(const PacketRays& rays, const PacketLeaf& leaf, uint32_t lane) {
+  HWY_INLINE PacketEdges(const PencilRays& rays, const PacketLeaf& leaf, uint32_t lane) {
     for (int i = 0; i < 3; ++i)
       edge[i] = hn::MulAdd(rays.slope[0], splat(leaf.by_x[i][lane]),
                            hn::MulAdd(rays.slope[1], splat(leaf.by_y[i][lane]), splat(leaf.constant[i][lane])));
@@ -109,7 +109,7 @@ struct PacketEdges {
 
 /// Rays whose rounded t may lie in (t_min, t_far], of those for which the triangle is certainly hit. With
 /// D = E12 z0 + E20 z1 + E01 z2, whose error is below `error`, t |d_z| = D / A.
-HWY_INLINE PacketMask may_be_in_range(const PacketRays& rays, const PacketEdges& edges, const PacketLeaf& leaf,
+HWY_INLINE PacketMask may_be_in_range(const PencilRays& rays, const PacketEdges& edges, const PacketLeaf& leaf,
                                       uint32_t lane, PacketVector t_far) {
   const PacketVector signed_area = hn::Add(hn::Add(edges.edge[0], edges.edge[1]), edges.edge[2]);
   PacketVector sum = hn::Mul(edges.edge[0], splat(leaf.opposite[0][lane]));
@@ -129,7 +129,7 @@ HWY_INLINE PacketMask may_be_in_range(const PacketRays& rays, const PacketEdges&
 }
 
 /// One triangle of the leaf.
-HWY_INLINE PacketMasks test_triangle(const PacketRays& rays, const PacketLeaf& leaf, uint32_t lane, uint32_t active,
+HWY_INLINE PacketMasks test_triangle(const PencilRays& rays, const PacketLeaf& leaf, uint32_t lane, uint32_t active,
                                      PacketVector t_far) {
   const PacketEdges edges(rays, leaf, lane);
   const PacketVector bound = splat(leaf.bound[lane]), below = splat(-leaf.bound[lane]);
@@ -178,9 +178,9 @@ struct HalfHits {
 /// What the rays of a packet share of a triangle: with p = v0 - o, the vectors whose products with a direction are
 /// the determinants of triangle_determinants.h, the depth, and the errors of DeterminantErrors.
 struct PacketTriangle {
-  HWY_INLINE PacketTriangle(const PacketRays& rays, const PacketCorners& corners) {
+  HWY_INLINE PacketTriangle(const PencilRays& rays, const PacketCorners& corners) {
     const PacketDoubles d;
-    const DoubleVector3 v0 = splat(corners.at[0]), point = subtract(v0, splat(rays.origin));
+    const DoubleVector3 v0 = splat(corners.at[0]), point = subtract(v0, splat(rays.common_origin));
     const DoubleVector3 edge1 = subtract(splat(corners.at[1]), v0), edge2 = subtract(splat(corners.at[2]), v0);
     area = cross(edge1, edge2);
     u = cross(edge2, point);
@@ -236,7 +236,7 @@ HWY_INLINE uint32_t half_bits(D d, M mask) {
 
 /// The quotients of triangle.cpp, for certain hits.
 template <int half>
-HWY_INLINE HalfHits hit_half(const PacketRays& rays, const PacketTriangle& triangle) {
+HWY_INLINE HalfHits hit_half(const PencilRays& rays, const PacketTriangle& triangle) {
   const PacketDoubles d;
   const HalfFloats narrow;
   const DoubleVector3 direction = promote_half<half>(rays.direction);
@@ -266,7 +266,7 @@ struct PacketHits {
 };
 
 /// Hits of the rays `wanted`, which hit the triangle for certain.
-HWY_INLINE PacketHits hit_triangle(const PacketRays& rays, const PacketCorners& corners, uint32_t wanted) {
+HWY_INLINE PacketHits hit_triangle(const PencilRays& rays, const PacketCorners& corners, uint32_t wanted) {
   constexpr uint32_t half_size = packet_size / 2, low_rays = (1u << half_size) - 1;
   const PacketFloats d;
   const PacketTriangle triangle(rays, corners);

@@ -15,6 +15,7 @@
 #define RAYLOOM_TESTS_ACCEL_LANES_TEST
 
 #include "lane_cases.h"
+#include "targets.h"
 
 namespace rayloom::accel {
 
@@ -93,22 +94,14 @@ namespace {
 
 using test::Random;
 
-struct Target {
-  const char* name;
-  LaneFunctions functions;
-};
-
-std::vector<Target> supported_targets() {
-  std::vector<Target> targets;
-  if (hwy::SupportedTargets() & HWY_AVX2) targets.push_back({"AVX2", N_AVX2::lane_functions()});
-  if (hwy::SupportedTargets() & HWY_AVX3) targets.push_back({"AVX-512", N_AVX3::lane_functions()});
-  return targets;
+std::vector<test::Target<LaneFunctions>> targets() {
+  return test::supported_targets(N_AVX2::lane_functions(), N_AVX3::lane_functions());
 }
 
 bool same_bits(const float (&a)[8], const float (&b)[8]) { return std::memcmp(a, b, sizeof(a)) == 0; }
 
 TEST_CASE("node tests give the same bits on every target", "[unit]") {
-  for (const Target& target : supported_targets()) {
+  for (const auto& target : targets()) {
     Random random(21);
     int visited = 0;
     for (int i = 0; i < 200000; ++i) {
@@ -117,13 +110,13 @@ TEST_CASE("node tests give the same bits on every target", "[unit]") {
       float near[8];
       const float t_near = c.ray.near_limit(c.ray.t_min), t_far = c.ray.far_limit(c.ray.t_max);
       const scalar::NodeHits expected = scalar::test_node(scalar::BoxLanes(c.ray), c.node, t_near, t_far);
-      INFO(target.name << ", case " << i);
+      INFO(isa_name(target.isa) << ", case " << i);
       REQUIRE(target.functions.node(c.ray, c.node, t_near, t_far, near) == expected.mask);
       REQUIRE(same_bits(near, expected.near));
       REQUIRE((expected.mask & c.empty_lanes) == 0);
       visited += std::popcount(expected.mask);
     }
-    std::printf("%s: %d boxes entered\n", target.name, visited);
+    std::printf("%s: %d boxes entered\n", isa_name(target.isa).data(), visited);
     CHECK(visited > 100000);
   }
 }
@@ -133,7 +126,7 @@ size_t bytes_before_valid(const PreparedRay& ray) {
 }
 
 TEST_CASE("rays are prepared with the same bits on every target", "[unit]") {
-  for (const Target& target : supported_targets()) {
+  for (const auto& target : targets()) {
     Random random(25);
     for (int i = 0; i < 100000; ++i) {
       const uint32_t style = random.below(4);
@@ -155,14 +148,14 @@ TEST_CASE("rays are prepared with the same bits on every target", "[unit]") {
         out->reciprocal[3] = out->near_offset[3] = out->far_offset[3] = 0;
         out->near_row[3] = 0;
       }
-      INFO(target.name << ", case " << i);
+      INFO(isa_name(target.isa) << ", case " << i);
       REQUIRE(std::memcmp(&expected, &found, bytes_before_valid(found)) == 0);
     }
   }
 }
 
 TEST_CASE("rays are taken to object space with the same bits on every target", "[unit]") {
-  for (const Target& target : supported_targets()) {
+  for (const auto& target : targets()) {
     Random random(28);
     for (int i = 0; i < 100000; ++i) {
       const uint32_t style = random.below(4);
@@ -175,7 +168,7 @@ TEST_CASE("rays are taken to object space with the same bits on every target", "
       const Ray ray = test::any_ray(random, style), expected = object_ray(instance, ray);
       Ray found{};
       target.functions.object_ray(instance, ray, found);
-      INFO(target.name << ", case " << i);
+      INFO(isa_name(target.isa) << ", case " << i);
       REQUIRE(std::memcmp(&expected, &found, sizeof(Ray)) == 0);
     }
   }
@@ -194,7 +187,7 @@ void require_equal(TraversalStack& a, TraversalStack& b, uint32_t nears_from = 0
 }
 
 TEST_CASE("children go on the stack in the same order on every target", "[unit]") {
-  for (const Target& target : supported_targets()) {
+  for (const auto& target : targets()) {
     Random random(24);
     int many = 0;
     for (int i = 0; i < 50000; ++i) {
@@ -212,7 +205,7 @@ TEST_CASE("children go on the stack in the same order on every target", "[unit]"
       const bool by_distance = random.chance(2);
       by_distance ? scalar::push_by_distance(hits, c.node, expected) : scalar::push_in_order(hits, c.node, expected);
       target.functions.push(c.ray, c.node, t_near, t_far, by_distance, found);
-      INFO(target.name << ", case " << i);
+      INFO(isa_name(target.isa) << ", case " << i);
       require_equal(expected, found, by_distance ? 0 : expected.size());
       REQUIRE(std::equal(expected.nears(), expected.nears() + below, found.nears()));
       many += std::popcount(hits.mask) > 4;
@@ -222,7 +215,7 @@ TEST_CASE("children go on the stack in the same order on every target", "[unit]"
 }
 
 TEST_CASE("entries beyond the closest hit leave the stack on every target", "[unit]") {
-  for (const Target& target : supported_targets()) {
+  for (const auto& target : targets()) {
     Random random(26);
     for (int i = 0; i < 20000; ++i) {
       TraversalStack expected, found;
@@ -237,7 +230,7 @@ TEST_CASE("entries beyond the closest hit leave the stack on every target", "[un
 }
 
 TEST_CASE("procedural box tests give the same bits on every target", "[unit]") {
-  for (const Target& target : supported_targets()) {
+  for (const auto& target : targets()) {
     Random random(22);
     for (int i = 0; i < 100000; ++i) {
       const test::NodeCase c = test::random_node_case(random);
@@ -254,7 +247,7 @@ TEST_CASE("procedural box tests give the same bits on every target", "[unit]") {
 }
 
 TEST_CASE("triangle filters give the same masks on every target", "[unit]") {
-  for (const Target& target : supported_targets()) {
+  for (const auto& target : targets()) {
     Random random(23);
     int certain = 0, undecided = 0;
     for (int i = 0; i < 100000; ++i) {
@@ -263,7 +256,7 @@ TEST_CASE("triangle filters give the same masks on every target", "[unit]") {
       const DepthInterval depths(c.ray, t_far);
       const LeafMasks expected = scalar::test_triangles(scalar::TriangleLanes(c.ray), c.leaf, depths);
       const LeafMasks masks = target.functions.triangles(c.ray, c.leaf, t_far);
-      INFO(target.name << ", case " << i);
+      INFO(isa_name(target.isa) << ", case " << i);
       REQUIRE(masks.possible == expected.possible);
       REQUIRE(masks.certain == expected.certain);
       REQUIRE(masks.inside == expected.inside);
@@ -272,14 +265,14 @@ TEST_CASE("triangle filters give the same masks on every target", "[unit]") {
       certain += std::popcount(masks.certain);
       undecided += std::popcount(masks.possible & ~masks.certain);
     }
-    std::printf("%s: %d lanes certain, %d undecided\n", target.name, certain, undecided);
+    std::printf("%s: %d lanes certain, %d undecided\n", isa_name(target.isa).data(), certain, undecided);
     CHECK(certain > 10000);
     CHECK(undecided > 10000);
   }
 }
 
 TEST_CASE("vertex tables are looked up in the same way on every target", "[unit]") {
-  for (const Target& target : supported_targets()) {
+  for (const auto& target : targets()) {
     Random random(27);
     int certain = 0;
     for (int i = 0; i < 100000; ++i) {
@@ -288,7 +281,7 @@ TEST_CASE("vertex tables are looked up in the same way on every target", "[unit]
       const DepthInterval depths(c.ray, t_far);
       const LeafMasks expected = scalar::test_triangles(scalar::TriangleLanes(c.ray), c.leaf(), depths);
       const LeafMasks masks = target.functions.triangles(c.ray, c.leaf(), t_far);
-      INFO(target.name << ", case " << i);
+      INFO(isa_name(target.isa) << ", case " << i);
       REQUIRE(masks.possible == expected.possible);
       REQUIRE(masks.certain == expected.certain);
       REQUIRE(masks.inside == expected.inside);

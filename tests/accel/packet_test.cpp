@@ -45,6 +45,7 @@ HWY_AFTER_NAMESPACE();
 
 #include "random.h"
 #include "structures.h"
+#include "targets.h"
 
 #include <rayloom/base/float_environment.h>
 
@@ -57,19 +58,6 @@ using namespace test;
 
 constexpr float infinity = std::numeric_limits<float>::infinity();
 
-struct Target {
-  Isa isa;
-  PacketFunction packets;
-  size_t size;
-};
-
-std::vector<Target> targets() {
-  std::vector<Target> all;
-  if (isa_supported(Isa::avx2)) all.push_back({Isa::avx2, N_AVX2::packet_function(), 8});
-  if (isa_supported(Isa::avx512)) all.push_back({Isa::avx512, N_AVX3::packet_function(), 16});
-  return all;
-}
-
 struct Outcomes {
   size_t in_packets = 0, hits = 0;
 };
@@ -78,13 +66,13 @@ struct Outcomes {
 Outcomes compare(const Block& block, const std::vector<Ray>& rays, uint32_t flags = ray_flag::none) {
   const Isa before = current_isa();
   Outcomes outcomes;
-  for (const Target& target : targets()) {
+  for (const auto& target : supported_targets(N_AVX2::packet_function(), N_AVX3::packet_function())) {
     set_isa(target.isa);
     std::vector<Hit> hits(rays.size());
     TraceRequest shared = request_for(block, rays[0], flags);
     {
       const FloatEnvironment environment;
-      outcomes.in_packets = target.packets(shared, rays, hits);
+      outcomes.in_packets = target.functions(shared, rays, hits);
     }
     size_t different = 0;
     outcomes.hits = 0;

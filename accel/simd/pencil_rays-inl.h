@@ -1,0 +1,80 @@
+// Packets of rays that leave one point: they share what a triangle is from there.
+// Re-included once per target as lanes-inl.h is.
+
+// clang-format off: the guard flips for each target.
+#if defined(RAYLOOM_ACCEL_PENCIL_RAYS_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef RAYLOOM_ACCEL_PENCIL_RAYS_INL_H_
+#undef RAYLOOM_ACCEL_PENCIL_RAYS_INL_H_
+#else
+#define RAYLOOM_ACCEL_PENCIL_RAYS_INL_H_
+#endif
+// clang-format on
+
+#include <rayloom/accel/simd/packet_rays-inl.h>
+
+HWY_BEFORE_NAMESPACE();
+namespace rayloom::accel {
+namespace HWY_NAMESPACE {
+
+#if HWY_TARGET == HWY_AVX2 || HWY_TARGET == HWY_AVX3
+
+class PencilRays : public PacketRays {
+ public:
+  /// Takes on the first of the `wanted` rays and those that go with it; returns them. 0: too few of them do, or they
+  /// have extreme coordinates; nothing else may be asked then.
+  HWY_INLINE uint32_t load(const RayRun& rays, uint32_t wanted, const StructureHeader& header, float pad_scale) {
+    const Ray& first = begin(rays, wanted);
+    const uint32_t taken = wanted & packet_bits(hn::And(alike(first), same_origin(first)));
+    if (std::popcount(taken) < fewest || (taken & (wanted & -wanted)) == 0) return 0;
+    repeat(first, taken);
+    const auto from = load_axes(first.origin);
+    if (!prepare(first, {from, from}, largest_angle, header, pad_scale)) return 0;
+    prepare_triangles(first);
+    return taken;
+  }
+
+  float common_origin[3];
+
+  // The frame of a ray in the middle, in which directions are (slope[0], slope[1], 1) times their dominant component.
+  TriangleLanes middle;
+  PacketVector slope[2];
+  FloatLanes widest[2];  ///< not below any |slope|
+  PacketVector longest;  ///< magnitude of the dominant component
+  float sign;            ///< of that component: 0 or -0
+
+ private:
+  HWY_INLINE PacketMask same_origin(const Ray& first) const {
+    const auto at = [&](int k) { return hn::Eq(origin[k], splat(first.origin[k])); };
+    return hn::And(at(0), hn::And(at(1), at(2)));
+  }
+
+  HWY_INLINE void prepare_triangles(const Ray& first) {
+    const Floats d;
+    for (uint32_t i = 0; i < 3; ++i) {
+      common_origin[i] = first.origin[i];
+      middle.axis[i] = axis_after(i);
+      middle.origin[i] = hn::Set(d, first.origin[middle.axis[i]]);
+    }
+    longest = hn::Abs(direction[dominant_]);
+    sign = std::copysign(0.0f, first.direction[dominant_]);
+    for (int i = 0; i < 2; ++i) {
+      const uint32_t k = middle.axis[i];
+      const bool negative = std::signbit(first.direction[k]) != std::signbit(sign);
+      const float shear = negative ? -middle_[k] : middle_[k];
+      middle.shear[i] = hn::Set(d, shear);
+      slope[i] = hn::Sub(hn::Div(direction[k], direction[dominant_]), splat(shear));
+      widest[i] = hn::Set(d, widest_[k]);
+    }
+  }
+
+  static constexpr int fewest = packet_size / 4;
+  static constexpr float largest_angle = 0x1p-3f;
+};
+
+#endif  // HWY_TARGET
+
+}  // namespace HWY_NAMESPACE
+}  // namespace rayloom::accel
+HWY_AFTER_NAMESPACE();
+
+#endif  // include guard
