@@ -16,30 +16,11 @@ uint64_t spread(uint64_t x) {
   return (x | x << 2) & 0x1249249249249249u;
 }
 
-struct Run {
-  size_t begin, count;
-};
-
-/// Whether some `longest` + 1 keys that begin in [begin, end) have one code.
-bool has_runs(std::span<const MortonKey> keys, size_t begin, size_t end, size_t longest) {
+/// Whether any `longest` + 1 keys have one code.
+bool has_runs(std::span<const MortonKey> keys, size_t longest) {
   bool any = false;
-  end = std::min(end, keys.size() - std::min(keys.size(), longest));
-  for (size_t i = begin; i < end; ++i) any |= keys[i].code == keys[i + longest].code;
+  for (size_t i = longest; i < keys.size(); ++i) any |= keys[i].code == keys[i - longest].code;
   return any;
-}
-
-/// The runs of more than `longest` keys of one code that begin in [begin, end).
-std::vector<Run> runs_of(std::span<const MortonKey> keys, size_t begin, size_t end, size_t longest) {
-  std::vector<Run> runs;
-  if (!has_runs(keys, begin, end, longest)) return runs;
-  while (begin < end && begin > 0 && keys[begin].code == keys[begin - 1].code) ++begin;
-  while (begin < end) {
-    size_t last = begin + 1;
-    while (last < keys.size() && keys[last].code == keys[begin].code) ++last;
-    if (last - begin > longest) runs.push_back({begin, last - begin});
-    begin = last;
-  }
-  return runs;
 }
 
 /// Sorts keys of one upper code by the lower 31 bits, in place of the upper ones while it lasts.
@@ -52,9 +33,21 @@ void sort_run(std::span<MortonKey> run, const KeyDetails& details) {
   const auto less = [&](const MortonKey& a, const MortonKey& b) {
     return a.code != b.code ? a.code < b.code : details.name(a.index) < details.name(b.index);
   };
-  if (run.size() > chunk_size) radix_sort(run);
+  if (run.size() > chunk_size) {
+    ScratchVector<MortonKey> keys(run.begin(), run.end());
+    radix_sort(keys, [](std::span<MortonKey>) {});
+    std::copy(keys.begin(), keys.end(), run.begin());
+  }
   if (!std::is_sorted(run.begin(), run.end(), less)) std::sort(run.begin(), run.end(), less);
   for (MortonKey& key : run) key.code = upper;
+}
+
+/// Sorts the runs of more than `longest` keys of one code.
+void sort_runs(std::span<MortonKey> keys, size_t longest, const KeyDetails& details) {
+  for (size_t begin = 0, end = 0; begin < keys.size(); begin = end) {
+    while (end < keys.size() && keys[end].code == keys[begin].code) ++end;
+    if (end - begin > longest) sort_run(keys.subspan(begin, end - begin), details);
+  }
 }
 
 }  // namespace
@@ -72,13 +65,9 @@ uint64_t MortonCurve::code(Float4 centre) const {
   return morton_code(cell(centre, 0), cell(centre, 1), cell(centre, 2));
 }
 
-void sort_keys(std::span<MortonKey> keys, size_t longest_run, const KeyDetails& details) {
-  radix_sort(keys);
-  std::vector<std::vector<Run>> runs(chunk_count(keys.size()));
-  for_each_chunk(keys.size(),
-                 [&](size_t chunk, size_t begin, size_t end) { runs[chunk] = runs_of(keys, begin, end, longest_run); });
-  for_each_chunk(keys.size(), [&](size_t chunk, size_t, size_t) {
-    for (const Run& run : runs[chunk]) sort_run(keys.subspan(run.begin, run.count), details);
+void sort_keys(ScratchVector<MortonKey>& keys, size_t longest_run, const KeyDetails& details) {
+  radix_sort(keys, [&](std::span<MortonKey> sorted) {
+    if (has_runs(sorted, longest_run)) sort_runs(sorted, longest_run, details);
   });
 }
 

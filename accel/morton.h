@@ -70,7 +70,7 @@ struct KeyDetails {
 
 /// Sorts keys by code, in parallel. Runs of one code longer than `longest_run` are then sorted by 63-bit code and name;
 /// shorter ones keep the order that keys came in.
-void sort_keys(std::span<MortonKey> keys, size_t longest_run, const KeyDetails& details);
+void sort_keys(ScratchVector<MortonKey>& keys, size_t longest_run, const KeyDetails& details);
 
 /// Keys of all `refs`, sorted by 63-bit code; equal codes by name of the reference. Any order in, the same references
 /// out.
