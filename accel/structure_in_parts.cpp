@@ -1,8 +1,7 @@
 #include <rayloom/accel/part_builder.h>
-#include <rayloom/accel/reinsertion.h>
+#include <rayloom/accel/piece_tree.h>
 #include <rayloom/accel/structure_in_parts.h>
 
-#include <cassert>
 #include <cstring>
 
 namespace rayloom::accel {
@@ -40,45 +39,12 @@ class PartCutter {
   std::vector<Part> parts_;
 };
 
-/// The tree over all pieces, whose leaves' `first` are their numbers.
-class Top {
- public:
-  Top(const std::vector<Part>& parts, bool reinserts) {
-    for (const Part& part : parts) {
-      for (const Piece& piece : part.pieces) {
-        refs_.push_back(make_primitive_ref(piece.box, 0, static_cast<uint32_t>(pieces_.size())));
-        pieces_.push_back(&piece);
-      }
-    }
-    tree = build_binary_tree(refs_, {1, refs_.size()});
-    if (reinserts) tree = reinsert(std::move(tree), {});
-    if (depth(0) > max_depth) build_balanced();
-  }
-
-  const Piece& piece(uint32_t slot) const { return *pieces_[refs_[tree[slot].first].primitive]; }
-
-  BinaryTree tree;
-
- private:
-  /// Of the whole structure, if binary nodes were wide ones.
-  uint32_t depth(uint32_t slot) const {
-    if (tree[slot].is_leaf()) return piece(slot).wide.depth + 1;
-    return 1 + std::max(depth(slot + 1), depth(tree[slot].right));
-  }
-
-  /// Pieces are no deeper than 42: choices in a part end at max_choice_depth, and halving it takes at most 11 levels
-  /// more. Halving up to 2^21 of them fits above.
-  void build_balanced() {
-    const auto count = static_cast<uint32_t>(refs_.size());
-    PrimitiveRefs scratch(count);
-    tree.assign(2 * size_t{count} - 1, {});
-    build_binary_subtree(refs_, scratch, 1, {0, 0, count, count, max_choice_depth}, tree);
-    assert(depth(0) <= max_depth);
-  }
-
-  std::vector<const Piece*> pieces_;
-  PrimitiveRefs refs_;
-};
+std::vector<const Piece*> pieces_of(const std::vector<Part>& parts) {
+  std::vector<const Piece*> pieces;
+  for (const Part& part : parts)
+    for (const Piece& piece : part.pieces) pieces.push_back(&piece);
+  return pieces;
+}
 
 class StructureInParts {
  public:
@@ -127,17 +93,16 @@ class StructureInParts {
   }
 
   void join_parts() {
-    const Top top(parts_, part_recipe(input_.builder).reinserts_top);
+    const PieceTree top(pieces_of(parts_), part_recipe(input_.builder).reinserts_top);
+    const BinaryTree& tree = top.tree();
     WideBytes wide;
     wide.start(block_, granule_);
-    const LooseWide root =
-        wide.add_below(top.tree, Collapse(top.tree), 0, [&](uint32_t slot) { return top.piece(slot).wide; });
+    const LooseWide root = wide.add_below(tree, Collapse(tree), 0, [&](uint32_t slot) { return top.piece(slot).wide; });
     header_.root = wide.add_node(root);
     header_.depth = root.depth + 1;
-    assert(header_.depth <= max_depth);
     header_.bytes = uint64_t{wide.granule()} * granule_bytes + TriangleLeaf::overread_bytes;
     add_sums(wide);
-    describe(top.tree[0].box);
+    describe(tree[0].box);
   }
 
   void describe(const Box& box) {
