@@ -9,9 +9,9 @@ class CurveTree {
   CurveTree(const CurveInput& input, BinaryTree& tree) : input_(input), tree_(tree) {}
 
   void build(const Subtree& subtree) {
-    const auto& [refs, keys, curve, leaf_size, binned_size, scratch] = input_;
+    const auto& [refs, keys, curve, leaf_size, binned_size, scratch, sorts] = input_;
     if (subtree.count <= binned_size) return build_binary_subtree(refs, scratch, leaf_size, subtree, tree_);
-    if (subtree.count <= max_sweep) return build_sequence(refs, leaf_size, subtree, tree_);
+    if (subtree.count <= max_sweep) return build_sequence(refs, leaf_size, subtree, tree_, sorts);
     const auto code_of = [&](uint32_t i) { return input_.curve.code(input_.refs[subtree.first + i]); };
     const uint32_t cut = curve_cut(keys.subspan(subtree.first, subtree.count), subtree, leaf_size, code_of);
     const auto [left, right] = halves_of(subtree, cut, leaf_size);

@@ -54,6 +54,7 @@ struct CurveInput {
   /// Subtrees of at most so many primitives are split by binned SAH; `scratch`, as long as refs, is for them.
   uint32_t binned_size = 0;
   std::span<PrimitiveRef> scratch{};
+  bool sorts_leaves = true;  ///< by name, where not binned
 };
 
 /// Builds `root`: splits where the codes' highest bit changes. Where not binned, the last levels are cut by surface

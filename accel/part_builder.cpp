@@ -43,15 +43,28 @@ void PartBuilder::build_in_place(const Subtree& part, std::byte* block, uint32_t
   write_pieces();
 }
 
+bool PartBuilder::wants_rows() const {
+  return input_->builder == Builder::lbvh && leaves_.form == LeafForm::index_table;
+}
+
+TriangleRows PartBuilder::rows() {
+  const size_t length = rows_.size() / 4;
+  uint32_t* const first = rows_.data();
+  return {first, {first + length, first + 2 * length, first + 3 * length}};
+}
+
 void PartBuilder::build_tree(const Subtree& part) {
   built_.refs.resize(part.count);
   scratch_.resize(part.count);
   built_.tree.resize(2 * size_t{part.budget} - 1);
   const auto keys = order_->keys().subspan(part.first, part.count);
-  order_->gather(keys, built_.refs.data());
+  if (wants_rows()) rows_.resize(4 * (size_t{part.count} + leaf_lanes));
+  const TriangleRows rows = this->rows();
+  has_rows_ = order_->gather(keys, built_.refs.data(), wants_rows() ? &rows : nullptr);
   const uint32_t leaf_size = input_->leaf_size, binned_size = part_recipe(input_->builder).binned_size;
   const Subtree whole{0, 0, part.count, part.budget, part.depth};
-  build_on_curve({built_.refs, keys, order_->curve(), leaf_size, binned_size, scratch_}, whole, built_.tree);
+  build_on_curve({built_.refs, keys, order_->curve(), leaf_size, binned_size, scratch_, !has_rows_}, whole,
+                 built_.tree);
   if (input_->builder == Builder::lbvh_treelets) built_ = rearranged_by_treelets(built_, leaf_size, whole);
 }
 
@@ -74,7 +87,9 @@ void PartBuilder::write_pieces() {
 
 LooseWide PartBuilder::write_leaf(uint32_t slot) {
   const BinaryNode& node = built_.tree[slot];
-  const uint64_t bytes = leaves_.write(std::span(built_.refs).subspan(node.first, node.count), wide_.next());
+  const auto refs = std::span(built_.refs).subspan(node.first, node.count);
+  const uint64_t bytes =
+      has_rows_ ? leaves_.write_of_rows(rows(), node.first, refs, wide_.next()) : leaves_.write(refs, wide_.next());
   LooseWide one;
   one.push(node.box, wide_.add_leaf(bytes));
   return one;

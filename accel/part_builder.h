@@ -49,11 +49,16 @@ class PartBuilder {
   void build_tree(const Subtree& part);
   void write_pieces();
   LooseWide write_leaf(uint32_t slot);
+  /// Whether leaves are made of rows, if the triangles can be had as such: where their order stays that of the curve.
+  bool wants_rows() const;
+  TriangleRows rows();
 
   const TriangleCurve* order_;
   const TreeInput* input_;
   TriangleLeafWriter leaves_;
   PrimitiveRefs scratch_;
+  ScratchVector<uint32_t> rows_;
+  bool has_rows_ = false;
   BuiltTree built_;
   ScratchVector<std::byte> bytes_;
   WideBytes wide_;

@@ -47,13 +47,16 @@ void sort_leaf(std::span<PrimitiveRef> leaf) {
 
 class SequenceBuilder {
  public:
-  SequenceBuilder(std::span<PrimitiveRef> refs, uint32_t leaf_size, BinaryTree& tree)
-      : refs_(refs), leaf_size_(leaf_size), tree_(tree) {}
+  SequenceBuilder(std::span<PrimitiveRef> refs, uint32_t leaf_size, BinaryTree& tree, bool sorts)
+      : refs_(refs), leaf_size_(leaf_size), tree_(tree), sorts_(sorts) {}
 
   void build(const Subtree& subtree, const Box4& box) {
     const auto range = range_of(subtree);
     tree_[subtree.slot] = {box.box(), subtree.first, subtree.count, 0};
-    if (subtree.count <= leaf_size_) return sort_leaf(range);
+    if (subtree.count <= leaf_size_) {
+      if (sorts_) sort_leaf(range);
+      return;
+    }
     const bool choice = subtree.count <= max_sweep && subtree.depth < max_choice_depth;
     const SequenceCut cut = choice ? cheapest_cut(range, box, leaf_size_, subtree.budget) : middle(subtree);
     const auto [left, right] = halves_of(subtree, static_cast<uint32_t>(cut.left_count), leaf_size_);
@@ -74,6 +77,7 @@ class SequenceBuilder {
   std::span<PrimitiveRef> refs_;
   uint32_t leaf_size_;
   BinaryTree& tree_;
+  bool sorts_;
 };
 
 }  // namespace
@@ -82,8 +86,9 @@ uint32_t middle_cut(const Subtree& subtree, uint32_t leaf_size) {
   return static_cast<uint32_t>(blocks_for(subtree.count, leaf_size) / 2 * leaf_size);
 }
 
-void build_sequence(std::span<PrimitiveRef> refs, uint32_t leaf_size, const Subtree& subtree, BinaryTree& tree) {
-  SequenceBuilder builder(refs, leaf_size, tree);
+void build_sequence(std::span<PrimitiveRef> refs, uint32_t leaf_size, const Subtree& subtree, BinaryTree& tree,
+                    bool sorts) {
+  SequenceBuilder builder(refs, leaf_size, tree, sorts);
   builder.build(subtree, box_of(builder.range_of(subtree)));
 }
 

@@ -119,10 +119,13 @@ uint64_t TriangleCurve::code(uint32_t number) const {
   return curve_.code(centre4(load_corners(from, read_indices(from, primitive)).box()));
 }
 
-void TriangleCurve::gather(std::span<const MortonKey> keys, PrimitiveRef* refs) const {
+bool TriangleCurve::gather(std::span<const MortonKey> keys, PrimitiveRef* refs, const TriangleRows* rows) const {
   const auto geometries = numbers_.geometries();
-  if (const BuildKernel* const kernel = build_kernel(); kernel && geometries.size() == 1 && vectors_read(geometries[0]))
-    return kernel->gather_refs({&geometries[0], 0, 0}, keys, refs);
+  if (const BuildKernel* const kernel = build_kernel();
+      kernel && geometries.size() == 1 && vectors_read(geometries[0])) {
+    kernel->gather_refs({&geometries[0], 0, 0}, keys, refs, rows);
+    return rows != nullptr;
+  }
   for (size_t i = 0; i < keys.size(); ++i) {
     if (i + indices_ahead < keys.size()) prefetch_indices(keys[i + indices_ahead].index);
     if (i + vertices_ahead < keys.size()) prefetch_vertices(keys[i + vertices_ahead].index);
@@ -133,6 +136,7 @@ void TriangleCurve::gather(std::span<const MortonKey> keys, PrimitiveRef* refs) 
     refs[i].geometry = geometry;
     refs[i].primitive = primitive;
   }
+  return false;
 }
 
 void TriangleCurve::prefetch_indices(uint32_t number) const {

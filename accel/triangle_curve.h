@@ -3,6 +3,7 @@
 // Triangles in the order of a Morton curve, without a copy of them: a key of 8 bytes a triangle is all that is kept.
 
 #include <rayloom/accel/morton.h>
+#include <rayloom/accel/simd/build_kernel.h>
 #include <rayloom/accel/triangle_numbers.h>
 
 namespace rayloom::accel {
@@ -24,8 +25,8 @@ class TriangleCurve {
   /// All 63 bits of a triangle's code.
   uint64_t code(uint32_t number) const;
 
-  /// References to the triangles of some keys, in their order.
-  void gather(std::span<const MortonKey> keys, PrimitiveRef* refs) const;
+  /// References to the triangles of some keys, in their order; and rows of them, if asked for and true is returned.
+  bool gather(std::span<const MortonKey> keys, PrimitiveRef* refs, const TriangleRows* rows = nullptr) const;
 
  private:
   Box frame() const;

@@ -224,6 +224,18 @@ uint64_t TriangleLeafWriter::write(std::span<const PrimitiveRef> refs, std::byte
   return leaf.bytes();
 }
 
+uint64_t TriangleLeafWriter::write_of_rows(const TriangleRows& rows, size_t first, std::span<PrimitiveRef> refs,
+                                           std::byte* address) const {
+  auto& leaf = *reinterpret_cast<TriangleLeaf*>(address);
+  if (build_kernel()->write_leaf_of_rows(geometries[0], rows, first, refs.size(), leaf) > table_slots) {
+    std::sort(refs.begin(), refs.end(), name_less);
+    return write(refs, address);
+  }
+  leaf.geometry = geometry_word(geometries, 0);
+  pad(leaf);
+  return leaf.bytes();
+}
+
 void TriangleLeafWriter::prefetch_indices(std::span<const PrimitiveRef> refs) const {
   for (const PrimitiveRef& ref : refs) {
     const TriangleGeometry& geometry = geometries[ref.geometry];

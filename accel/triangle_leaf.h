@@ -5,6 +5,7 @@
 #include <rayloom/accel/build_input.h>
 #include <rayloom/accel/layout.h>
 #include <rayloom/accel/primitive_ref.h>
+#include <rayloom/accel/simd/build_kernel.h>
 
 #include <span>
 
@@ -24,6 +25,10 @@ struct TriangleLeafWriter {
   /// Writes the leaf of up to eight triangles and returns its bytes. `address` has room for a PlainTriangleLeaf, of
   /// which bytes beyond the leaf are left undefined.
   uint64_t write(std::span<const PrimitiveRef> refs, std::byte* address) const;
+
+  /// The same of a range of rows that belongs to `refs`, sorted by primitive; only for geometry 0 as index_table.
+  uint64_t write_of_rows(const TriangleRows& rows, size_t first, std::span<PrimitiveRef> refs,
+                         std::byte* address) const;
 
   /// Asks for what write() will read: first the indices; later, when they have arrived, the vertices.
   void prefetch_indices(std::span<const PrimitiveRef> refs) const;

@@ -16,9 +16,9 @@
 namespace rayloom::accel {
 namespace {
 constexpr BuildKernel avx2_kernel{N_AVX2::make_keys, N_AVX2::vertex_bounds, N_AVX2::gather_refs,
-                                  N_AVX2::write_table_leaf};
+                                  N_AVX2::write_table_leaf, N_AVX2::write_leaf_of_rows};
 constexpr BuildKernel avx512_kernel{N_AVX3::make_keys, N_AVX3::vertex_bounds, N_AVX3::gather_refs,
-                                    N_AVX3::write_table_leaf};
+                                    N_AVX3::write_table_leaf, N_AVX3::write_leaf_of_rows};
 }  // namespace
 
 const BuildKernel* build_kernel() {

@@ -24,17 +24,25 @@ struct RefRange {
   uint32_t first_number;  ///< of its triangles
 };
 
+/// Primitives and indices of triangles one after another, row by row; eight more of each may be read and written.
+struct TriangleRows {
+  uint32_t *primitive, *vertex[3];
+};
+
 struct BuildKernel {
   /// Writes the keys of active triangles to `out` and returns their end; null for an index out of range. Extends
   /// `centres` by their centres.
   MortonKey* (*make_keys)(const KeyRange&, MortonKey* out, Box& centres);
   /// The box of all finite ones of `count` vertices of three floats each.
   Box (*vertex_bounds)(const std::byte* vertices, size_t count);
-  /// References to the triangles, all of this geometry, that keys name.
-  void (*gather_refs)(const RefRange&, std::span<const MortonKey>, PrimitiveRef* refs);
+  /// References to the triangles, all of this geometry, that keys name; and rows of them, if asked for.
+  void (*gather_refs)(const RefRange&, std::span<const MortonKey>, PrimitiveRef* refs, const TriangleRows* rows);
   /// Writes the leaf of 1 to 8 triangles of one geometry, all but its geometry word, and returns how many entries its
   /// table has; more than table_slots: nothing was written. `leaf` has room for a PlainTriangleLeaf.
   uint32_t (*write_table_leaf)(const TriangleGeometry&, std::span<const PrimitiveRef>, TriangleLeaf& leaf);
+  /// The same of `count` triangles from `first` on, which it sorts.
+  uint32_t (*write_leaf_of_rows)(const TriangleGeometry&, const TriangleRows&, size_t first, size_t count,
+                                 TriangleLeaf& leaf);
 };
 
 /// Of the instruction set in use; null where that has no vectors.

@@ -13,6 +13,7 @@
 #include <rayloom/accel/layout.h>
 #include <rayloom/accel/primitive_ref.h>
 #include <rayloom/accel/ray.h>
+#include <rayloom/accel/simd/build_kernel.h>
 #include <rayloom/accel/simd/compress_table.h>
 #include <rayloom/accel/simd/prefix_counts.h>
 #include <rayloom/accel/simd/triangle_lanes-inl.h>
@@ -138,28 +139,77 @@ HWY_INLINE void write_rows(const TriangleReader& reader, const IndexLanes& indic
   hn::StoreU(high.axis[2], Floats(), row + 2 * slots + triangle_lanes);
 }
 
-uint32_t write_table_leaf(const TriangleGeometry& geometry, std::span<const PrimitiveRef> refs, TriangleLeaf& leaf) {
+/// A leaf's triangles in their final order; lanes that are not used repeat one that is.
+HWY_INLINE uint32_t write_triangles(const TriangleReader& reader, WordLanes primitive, const IndexLanes& indices,
+                                    size_t count, TriangleLeaf& leaf) {
   const Words d;
-  const TriangleReader reader(geometry);
-  const auto used = hn::FirstN(d, refs.size());
-  const auto place = hn::IfThenElseZero(used, hn::Mul(hn::Iota(d, 0), hn::Set(d, sizeof(PrimitiveRef))));
-  const WordLanes primitive = hn::GatherOffset(d, &refs[0].primitive, hn::BitCast(Ints(), place));
-  const IndexLanes indices = reader.indices(primitive);
   const IndexLanes first = first_equal(indices);
-  const uint32_t used_bits = (1u << refs.size()) - 1;
+  const uint32_t used_bits = (1u << count) - 1;
   FirstOnes ones;
   find_first_ones<0>(first, used_bits, ones);
   find_first_ones<1>(first, used_bits, ones);
   find_first_ones<2>(first, used_bits, ones);
   const uint32_t slots = ones.slots();
   if (slots > TriangleLeaf::table_slots) return slots;
-  write_corners(first, ones, refs.size(), leaf.corner);
-  leaf.count = static_cast<uint8_t>(refs.size());
+  write_corners(first, ones, count, leaf.corner);
+  leaf.count = static_cast<uint8_t>(count);
   leaf.slots = static_cast<uint8_t>(slots);
   leaf.mixed = leaf.reserved = 0;
-  hn::StoreU(hn::IfThenElse(used, primitive, hn::Set(d, no_index)), d, leaf.primitive);
+  hn::StoreU(hn::IfThenElse(hn::FirstN(d, count), primitive, hn::Set(d, no_index)), d, leaf.primitive);
   write_rows(reader, indices, ones, reinterpret_cast<float*>(&leaf + 1));
   return slots;
+}
+
+uint32_t write_table_leaf(const TriangleGeometry& geometry, std::span<const PrimitiveRef> refs, TriangleLeaf& leaf) {
+  const Words d;
+  const TriangleReader reader(geometry);
+  const auto used = hn::FirstN(d, refs.size());
+  const auto place = hn::IfThenElseZero(used, hn::Mul(hn::Iota(d, 0), hn::Set(d, sizeof(PrimitiveRef))));
+  const WordLanes primitive = hn::GatherOffset(d, &refs[0].primitive, hn::BitCast(Ints(), place));
+  return write_triangles(reader, primitive, reader.indices(primitive), refs.size(), leaf);
+}
+
+using IntLanes = hn::Vec<Ints>;
+
+/// How many lanes hold less, by comparing with the lanes `turn` and more further on.
+template <int32_t turn>
+HWY_INLINE IntLanes lanes_below(IntLanes value) {
+  const Ints d;
+  if constexpr (turn == triangle_lanes) {
+    return hn::Zero(d);
+  } else {
+    const auto lane = hn::And(hn::Iota(d, turn), hn::Set(d, triangle_lanes - 1));
+    const auto other = hn::TableLookupLanes(value, hn::IndicesFromVec(d, lane));
+    return hn::Add(lanes_below<turn + 1>(value), hn::IfThenElseZero(hn::Lt(other, value), hn::Set(d, 1)));
+  }
+}
+
+/// Which lane has each rank; 0 for ranks that none has.
+template <int32_t turn>
+HWY_INLINE IntLanes lanes_by_rank(IntLanes rank) {
+  const Ints d;
+  if constexpr (turn == triangle_lanes) {
+    return hn::Zero(d);
+  } else {
+    const auto lane = hn::And(hn::Iota(d, turn), hn::Set(d, triangle_lanes - 1));
+    const auto other = hn::TableLookupLanes(rank, hn::IndicesFromVec(d, lane));
+    return hn::IfThenElse(hn::Eq(other, hn::Iota(d, 0)), lane, lanes_by_rank<turn + 1>(rank));
+  }
+}
+
+uint32_t write_leaf_of_rows(const TriangleGeometry& geometry, const TriangleRows& rows, size_t first, size_t count,
+                            TriangleLeaf& leaf) {
+  const Words d;
+  const Ints i;
+  const auto used = hn::FirstN(i, count);
+  const WordLanes primitive = hn::LoadU(d, rows.primitive + first);
+  const auto names = hn::IfThenElse(used, hn::BitCast(i, primitive), hn::Set(i, 0x7FFFFFFF));
+  const auto rank = hn::IfThenElse(used, lanes_below<1>(names), hn::Set(i, triangle_lanes));
+  const auto order = hn::IndicesFromVec(d, hn::BitCast(d, lanes_by_rank<0>(rank)));
+  const IndexLanes indices{{hn::TableLookupLanes(hn::LoadU(d, rows.vertex[0] + first), order),
+                            hn::TableLookupLanes(hn::LoadU(d, rows.vertex[1] + first), order),
+                            hn::TableLookupLanes(hn::LoadU(d, rows.vertex[2] + first), order)}};
+  return write_triangles(TriangleReader(geometry), hn::TableLookupLanes(primitive, order), indices, count, leaf);
 }
 
 #endif  // HWY_TARGET

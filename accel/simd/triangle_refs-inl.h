@@ -56,14 +56,16 @@ HWY_INLINE void store_eight(const ExtentLanes& box, WordLanes geometry, WordLane
 /// Keys in their order, in blocks of eight. What later blocks will read is asked for.
 class RefGatherer {
  public:
-  HWY_INLINE RefGatherer(const RefRange& range, std::span<const MortonKey> keys)
-      : range_(range), reader_(*range.geometry), keys_(keys) {}
+  HWY_INLINE RefGatherer(const RefRange& range, std::span<const MortonKey> keys, const TriangleRows* rows)
+      : range_(range), reader_(*range.geometry), keys_(keys), rows_(rows) {}
 
   HWY_INLINE void gather_all(PrimitiveRef* refs) {
     for (size_t first = 0; first < std::min(ahead, keys_.size()); first += triangle_lanes) ask(first);
     for (size_t first = 0; first < keys_.size(); first += triangle_lanes) {
       if (first + ahead < keys_.size()) ask(first + ahead);
-      const ExtentLanes box = box_of(reader_.corners(reader_.indices(primitives(first))));
+      const IndexLanes indices = reader_.indices(primitives(first));
+      if (rows_) store_rows(indices, first);
+      const ExtentLanes box = box_of(reader_.corners(indices));
       const WordLanes geometry = hn::Set(Words(), range_.index);
       const size_t left = keys_.size() - first;
       if (left >= triangle_lanes) {
@@ -94,6 +96,12 @@ class RefGatherer {
     return hn::Sub(number, hn::Set(d, range_.first_number));
   }
 
+  HWY_INLINE void store_rows(const IndexLanes& indices, size_t first) const {
+    const Words d;
+    hn::StoreU(primitives(first), d, rows_->primitive + first);
+    for (int v = 0; v < 3; ++v) hn::StoreU(indices.vertex[v], d, rows_->vertex[v] + first);
+  }
+
   HWY_INLINE void ask(size_t first) const {
     const TriangleGeometry& geometry = *range_.geometry;
     for (size_t i = first + 16; i < std::min(first + 16 + triangle_lanes, keys_.size()); ++i)
@@ -103,10 +111,11 @@ class RefGatherer {
   const RefRange& range_;
   TriangleReader reader_;
   std::span<const MortonKey> keys_;
+  const TriangleRows* rows_;
 };
 
-void gather_refs(const RefRange& range, std::span<const MortonKey> keys, PrimitiveRef* refs) {
-  RefGatherer(range, keys).gather_all(refs);
+void gather_refs(const RefRange& range, std::span<const MortonKey> keys, PrimitiveRef* refs, const TriangleRows* rows) {
+  RefGatherer(range, keys, rows).gather_all(refs);
 }
 
 #endif  // HWY_TARGET
