@@ -25,7 +25,11 @@ void Collapse::solve(uint32_t slot) {
   } else {
     parallel_invoke([this, left] { solve(left); }, [this, right] { solve(right); });
   }
-  const auto share = [&](uint32_t slots) { return best_share(plans_[left], plans_[right], slots); };
+  const bool left_is_leaf = tree_[left].is_leaf();  // then more than one slot for it gains nothing
+  const auto share = [&](uint32_t slots) {
+    if (left_is_leaf) return Share{plans_[right].cost[slots - 2], 1};
+    return best_share(plans_[left], plans_[right], slots);
+  };
   Plan& plan = plans_[slot];
   const Share own = share(node_width);
   plan.cost[0] = own.cost + static_cast<float>(node.box.half_area() * area_scale_);
@@ -42,7 +46,8 @@ Collapse::Share Collapse::best_share(const Plan& left, const Plan& right, uint32
   Share best{left.cost[0] + right.cost[slots - 2], 1};
   for (uint32_t k = 2; k < slots; ++k) {
     const float cost = left.cost[k - 1] + right.cost[slots - k - 1];
-    if (cost < best.cost) best = {cost, static_cast<uint8_t>(k)};
+    best.left = cost < best.cost ? static_cast<uint8_t>(k) : best.left;
+    best.cost = std::min(best.cost, cost);
   }
   return best;
 }
