@@ -8,7 +8,7 @@
 namespace rayloom::accel {
 
 /// Longest sequence the sweep below takes.
-inline constexpr size_t max_sweep = 32;
+inline constexpr size_t max_sweep = 16;
 
 struct SequenceCut {
   size_t left_count;
