@@ -5,12 +5,16 @@
 
 #include <rayloom/accel/primitive_ref.h>
 
+#include <bit>
 #include <optional>
 #include <span>
 
 namespace rayloom::accel {
 
-inline uint64_t blocks_for(uint64_t primitives, uint32_t leaf_size) { return (primitives + leaf_size - 1) / leaf_size; }
+/// Leaves that primitives take at least; the leaf size is a power of two.
+inline uint64_t blocks_for(uint64_t primitives, uint32_t leaf_size) {
+  return (primitives + leaf_size - 1) >> std::countr_zero(leaf_size);
+}
 
 /// Boxes of a range of primitives and of their centres.
 struct RangeBounds {
