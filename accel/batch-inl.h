@@ -15,6 +15,7 @@
 #ifdef HWY_TARGET_INCLUDE
 #include <rayloom/accel/packet_instances-inl.h>
 #include <rayloom/accel/packet_occlusion-inl.h>
+#include <rayloom/accel/packets_in_turn-inl.h>
 #endif
 
 #include <vector>
@@ -129,27 +130,21 @@ class RaysApart {
   std::vector<Result*> stray_results_;
 };
 
-/// Groups of rays that go together as packets, the others apart. Packets: TrianglePackets or InstancePackets. Returns
-/// the number of rays traced in packets.
-template <class Packets>
-size_t trace_groups(AddressSpace addresses, const RayRun& rays, Hit* hits) {
-  Packets packets(addresses, rays);
-  RaysApart<Hit> apart(addresses, rays, hits);
-  size_t i = 0;
-  for (; i + packet_size <= rays.count; i += packet_size) {
-    uint32_t left = packets.trace(i, &hits[i]);
-    for (; left != 0; left &= left - 1) apart.add(i + static_cast<size_t>(std::countr_zero(left)), 1);
-  }
-  apart.add(i, rays.count - i);
+/// Rays that go together as packets, the others apart. Packet: see PacketsInTurn. Returns the number of rays traced in
+/// packets.
+template <class Packet>
+size_t trace_in_turn(AddressSpace addresses, const RayRun& rays, typename Packet::Result* results) {
+  RaysApart<typename Packet::Result> apart(addresses, rays, results);
+  PacketsInTurn<Packet>(addresses, rays, results).run([&](size_t begin, size_t count) { apart.add(begin, count); });
   apart.finish();
   return rays.count - apart.count();
 }
 
-/// Returns the number of rays traced in packets, at least packet_size of which are given.
+/// Closest hits of rays, at least packet_size of them.
 inline size_t trace_in_packets(AddressSpace addresses, const RayRun& rays, Hit* hits) {
   if (header_of(rays.shared->structure).kind == StructureKind::instances)
-    return trace_groups<InstancePackets>(addresses, rays, hits);
-  return trace_groups<TrianglePackets>(addresses, rays, hits);
+    return trace_in_turn<InstancePacket>(addresses, rays, hits);
+  return trace_in_turn<TrianglePacket>(addresses, rays, hits);
 }
 
 /// Whether two rays may go together in a bundle, without looking at where they begin.
@@ -170,12 +165,9 @@ inline bool look_alike(const RayRun& rays) {
   return count > pairs / 2;
 }
 
-/// The same of rays that only want to know whether they hit anything, in a structure of triangles.
+/// Whether rays hit anything in a structure of triangles.
 inline size_t occlude_in_packets(AddressSpace addresses, const RayRun& rays, uint8_t* results) {
-  RaysApart<uint8_t> apart(addresses, rays, results);
-  OcclusionPackets(rays, results).run([&](size_t begin, size_t count) { apart.add(begin, count); });
-  apart.finish();
-  return rays.count - apart.count();
+  return trace_in_turn<OcclusionPacket>(addresses, rays, results);
 }
 #endif
 

@@ -30,29 +30,44 @@ class PacketTriangles {
   /// Returns those that are left.
   uint32_t trace(const RayRun& group, uint32_t wanted, const std::byte* block, uint32_t start,
                  const InstanceRules& rules) {
-    group_ = group;
-    rules_ = rules;
     while (wanted != 0) {
-      const uint32_t taken = walk_.load(group, wanted, block, 1);
+      const uint32_t taken = begin(group, wanted, block, start, rules);
       if (taken == 0) break;
-      prepared_ = 0;
-      walk_.run(start, results_, *this);
+      while (!done()) step();
       wanted &= ~taken;
     }
     return wanted;
   }
 
+  /// The same in steps, of rays that go together at once. Returns those; 0: there is nothing to do.
+  HWY_INLINE uint32_t begin(const RayRun& group, uint32_t wanted, const std::byte* block, uint32_t start,
+                            const InstanceRules& rules) {
+    const uint32_t taken = walk_.load(group, wanted, block, 1);
+    if (taken == 0) return 0;
+    group_ = group;
+    rules_ = rules;
+    prepared_ = 0;
+    walk_.begin(start, results_);
+    return taken;
+  }
+  bool done() const { return walk_.done(); }
+  HWY_INLINE void step() { walk_.step(results_, *this); }
+
   HWY_INLINE bool visit(const std::byte* address, uint32_t rays) {
     const auto& leaf = *reinterpret_cast<const TriangleLeaf*>(address);
     uint32_t committed = 0;
+    CertainRays certain;
     PacketLeaf packet_leaf;
     for (uint32_t left = packet_leaf.load(walk_.rays(), leaf, walk_.deepest()); left != 0; left &= left - 1) {
       const auto lane = static_cast<uint32_t>(std::countr_zero(left));
       const PacketMasks masks = test_triangle(walk_.rays(), packet_leaf, lane, rays, results_.t());
       if ((masks.certain | masks.undecided) == 0) continue;
       if (rules_.outcome_of(leaf.geometry_of(lane)) == Outcome::cull) continue;
-      committed |= visit_triangle(leaf, lane, masks);
+      if (HWY_UNLIKELY(masks.undecided != 0)) committed |= offer_alone(masks.undecided, leaf, lane, false);
+      if (HWY_UNLIKELY((certain.rays & masks.certain) != 0)) committed |= commit(leaf, certain);
+      certain.add(masks.certain, lane);
     }
+    if (certain.rays != 0) committed |= commit(leaf, certain);
     return committed != 0;
   }
 
@@ -70,38 +85,78 @@ class PacketTriangles {
   }
 
  private:
-  /// Returns the rays of which it has become the closest hit.
-  HWY_INLINE uint32_t visit_triangle(const TriangleLeaf& leaf, uint32_t lane, const PacketMasks& masks) {
-    uint32_t committed = 0, one_by_one = masks.undecided;
-    if (HWY_LIKELY(masks.certain != 0)) {
-      const PencilRays& rays = walk_.rays();
-      const PacketHits hits = hit_triangle(rays, PacketCorners(leaf, lane), masks.certain);
-      one_by_one |= masks.certain & ~hits.known;
-      const uint32_t front = rules_.hits.swap_facing ? ~hits.front & all_rays : hits.front;
-      const PacketMask finite = hn::Le(hits.t, splat(std::numeric_limits<float>::max()));
-      uint32_t offered = masks.certain & hits.known & packet_bits(hn::And(hn::Gt(hits.t, rays.t_min), finite));
-      if (rules_.hits.culled_facing[true]) offered &= ~front;
-      if (rules_.hits.culled_facing[false]) offered &= front;
-      const HitName name{rules_.instance_index, geometry_index(leaf.geometry_of(lane)), leaf.primitive[lane]};
-      committed = results_.commit(hits, offered, front, name);
+  /// Rays that hit a triangle of a leaf for certain, and which one.
+  struct CertainRays {
+    uint32_t rays, lanes;
+    PacketWordVector lane;
+
+    HWY_INLINE CertainRays() : rays(0), lanes(0), lane(hn::Zero(PacketWords())) {}
+    HWY_INLINE void add(uint32_t more, uint32_t of) {
+      const PacketWords w;
+      if (more == 0) return;
+      lane = hn::IfThenElse(hn::RebindMask(w, packet_mask(more)), hn::Set(w, of), lane);
+      rays |= more;
+      lanes |= 1u << of;
     }
-    for (; HWY_UNLIKELY(one_by_one != 0); one_by_one &= one_by_one - 1) {
-      const auto ray = static_cast<uint32_t>(std::countr_zero(one_by_one));
-      committed |= uint32_t{offer_alone(ray, leaf, lane, masks.certain >> ray & 1)} << ray;
-    }
+  };
+
+  /// Returns the rays of which these have become the closest hits, and forgets them.
+  HWY_INLINE uint32_t commit(const TriangleLeaf& leaf, CertainRays& certain) {
+    const uint32_t lanes = certain.lanes, rays = certain.rays;
+    const PacketWordVector lane = certain.lane;
+    certain = CertainRays();
+    if ((lanes & (lanes - 1)) != 0) return commit(leaf, lane, rays, OwnCorners(leaf, lane));
+    return commit(leaf, lane, rays, CommonCorners(leaf, static_cast<uint32_t>(std::countr_zero(lanes))));
+  }
+
+  template <class Corners>
+  HWY_INLINE uint32_t commit(const TriangleLeaf& leaf, PacketWordVector lane, uint32_t certain,
+                             const Corners& corners) {
+    const PacketRays& rays = walk_.rays();
+    const PacketHits hits = hit_triangles(walk_.rays(), corners, certain);
+    const uint32_t front = rules_.hits.swap_facing ? ~hits.front & all_rays : hits.front;
+    const PacketMask finite = hn::Le(hits.t, splat(std::numeric_limits<float>::max()));
+    uint32_t offered = certain & hits.known & packet_bits(hn::And(hn::Gt(hits.t, rays.t_min), finite));
+    if (rules_.hits.culled_facing[true]) offered &= ~front;
+    if (rules_.hits.culled_facing[false]) offered &= front;
+    uint32_t committed = results_.commit(hits, offered, front, names_of(leaf, lane));
+    if (HWY_UNLIKELY((certain & ~hits.known) != 0)) committed |= offer_alone(certain & ~hits.known, leaf, lane);
     return committed;
   }
 
-  HWY_NOINLINE bool offer_alone(uint32_t ray, const TriangleLeaf& leaf, uint32_t lane, bool certain) {
-    Search search(shared_, group_[ray], results_.hit(ray));
-    Visitor none;
-    const PreparedRay& prepared = level_of(ray, search).ray;
-    const auto hit = TriangleLeaves::intersect(prepared, leaf, lane, certain, search.t());
-    if (!hit) return false;
-    if (search.offer_triangle(rules_, leaf.geometry_of(lane), leaf.primitive[lane], *hit, none) == Offer::rejected)
-      return false;
-    results_.set(ray, search.hit());
-    return true;
+  HWY_INLINE PacketNames names_of(const TriangleLeaf& leaf, PacketWordVector lane) const {
+    const PacketWords w;
+    const Words words;
+    PacketWordVector geometry = hn::Set(w, leaf.geometry);
+    if (leaf.mixed) geometry = look_up_eight(hn::LoadU(words, reinterpret_cast<const uint32_t*>(leaf.row(3))), lane);
+    return {rules_.instance_index, hn::And(geometry, hn::Set(w, 0xFFFFFFu)),
+            look_up_eight(hn::LoadU(words, leaf.primitive), lane)};
+  }
+
+  HWY_NOINLINE uint32_t offer_alone(uint32_t rays, const TriangleLeaf& leaf, PacketWordVector lanes) {
+    alignas(64) uint32_t lane[packet_size];
+    hn::Store(lanes, PacketWords(), lane);
+    uint32_t committed = 0;
+    for (; rays != 0; rays &= rays - 1)
+      committed |= offer_alone(rays & -rays, leaf, lane[std::countr_zero(rays)], true);
+    return committed;
+  }
+
+  /// Offers a triangle to rays one by one.
+  HWY_NOINLINE uint32_t offer_alone(uint32_t rays, const TriangleLeaf& leaf, uint32_t lane, bool certain) {
+    uint32_t committed = 0;
+    for (; rays != 0; rays &= rays - 1) {
+      const auto ray = static_cast<uint32_t>(std::countr_zero(rays));
+      Search search(shared_, group_[ray], results_.hit(ray));
+      Visitor none;
+      const auto hit = TriangleLeaves::intersect(level_of(ray, search).ray, leaf, lane, certain, search.t());
+      if (!hit) continue;
+      const uint32_t primitive = leaf.primitive[lane];
+      if (search.offer_triangle(rules_, leaf.geometry_of(lane), primitive, *hit, none) == Offer::rejected) continue;
+      results_.set(ray, search.hit());
+      committed |= rays & -rays;
+    }
+    return committed;
   }
 
   Level& level_of(uint32_t ray, const Search& search) {
@@ -119,25 +174,26 @@ class PacketTriangles {
   Level levels_[packet_size];
 };
 
-/// Traces packets of a run of rays that have no candidate function, want the closest hit and may find something in a
-/// structure of triangles.
-class TrianglePackets {
+/// A packet on its way through a structure of triangles, for PacketsInTurn.
+class TrianglePacket {
  public:
-  TrianglePackets(AddressSpace, const RayRun& rays) : run_(rays), triangles_(*rays.shared, results_) {}
+  using Result = Hit;
+  static constexpr size_t most = 4;
 
-  /// Traces what goes together of the packet_size rays from `first` on. Returns those that are left.
-  uint32_t trace(size_t first, Hit* hits) {
-    const RayRun group = run_.part(first, packet_size);
-    const std::byte* const block = run_.shared->structure;
+  TrianglePacket(AddressSpace, const TraceRequest& shared)
+      : block_(shared.structure), rules_(0, 0, shared.ray_flags, nullptr), triangles_(shared, results_) {}
+
+  HWY_INLINE uint32_t load(const RayRun& group, uint32_t wanted) {
     results_.start(group);
-    const uint32_t left = triangles_.trace(group, all_rays, block, header_of(block).root, rules_);
-    results_.write(all_rays & ~left, hits);
-    return left;
+    return triangles_.begin(group, wanted, block_, header_of(block_).root, rules_);
   }
+  bool done() const { return triangles_.done(); }
+  HWY_INLINE void step() { triangles_.step(); }
+  void write(uint32_t rays, Hit* hits) const { results_.write(rays, hits); }
 
  private:
-  RayRun run_;
-  InstanceRules rules_{0, 0, run_.shared->ray_flags, nullptr};
+  const std::byte* block_;
+  InstanceRules rules_;
   PacketResults results_;
   PacketTriangles triangles_;
 };

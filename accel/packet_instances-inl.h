@@ -22,44 +22,43 @@ HWY_BEFORE_NAMESPACE();
 
 namespace rayloom::accel::HWY_NAMESPACE {
 
-/// TrianglePackets for a top level.
-class InstancePackets {
+/// TrianglePacket for a top level.
+class InstancePacket {
  public:
-  InstancePackets(AddressSpace addresses, const RayRun& rays)
-      : addresses_(addresses),
-        run_(rays),
-        block_(rays.shared->structure),
-        bounds_(header_of(block_), header_of(block_).pad_scale),
-        triangles_(*rays.shared, results_) {}
+  using Result = Hit;
+  static constexpr size_t most = 1;  ///< a step goes through a whole instance
 
-  uint32_t trace(size_t first, Hit* hits) {
-    group_ = run_.part(first, packet_size);
-    results_.start(group_);
-    uint32_t left = all_rays;
-    while (left != 0) {
-      const uint32_t taken = walk_.load(group_, left, block_, bounds_.pad_scale);
-      if (taken == 0) break;
-      walk_.run(header_of(block_).root, results_, *this);
-      left &= ~taken;
-    }
-    results_.write(all_rays & ~left, hits);
-    return left;
+  InstancePacket(AddressSpace addresses, const TraceRequest& shared)
+      : addresses_(addresses),
+        shared_(shared),
+        bounds_(header_of(shared.structure), header_of(shared.structure).pad_scale),
+        triangles_(shared, results_) {}
+
+  uint32_t load(const RayRun& group, uint32_t wanted) {
+    group_ = group;
+    results_.start(group);
+    const uint32_t taken = walk_.load(group, wanted, shared_.structure, bounds_.pad_scale);
+    if (taken != 0) walk_.begin(header_of(shared_.structure).root, results_);
+    return taken;
   }
+  bool done() const { return walk_.done(); }
+  void step() { walk_.step(results_, *this); }
+  void write(uint32_t rays, Hit* hits) const { results_.write(rays, hits); }
 
   /// True: rays may have found something.
   HWY_NOINLINE bool visit(const std::byte* address, uint32_t rays) {
     const auto& instance = *reinterpret_cast<const InstanceRecord*>(address);
     const std::byte* const block = addresses_.host(instance.bottom_level_address);
     const StructureHeader& header = header_of(block);
-    if (!passes(instance, *run_.shared, header)) return false;
+    if (!passes(instance, shared_, header)) return false;
     InstanceRules rules;
-    set_rules(rules, instance, *run_.shared, plain_.hits);
+    set_rules(rules, instance, shared_, plain_.hits);
     const uint32_t start = entry_of(instance, header);
     const RayRun group = is_identity(instance) ? group_ : transformed(instance, rays);
     uint32_t left = triangles_.trace(group, rays, block, start, rules);
     for (; left != 0; left &= left - 1) {
       const auto ray = static_cast<uint32_t>(std::countr_zero(left));
-      Search search(*run_.shared, group_[ray], results_.hit(ray));
+      Search search(shared_, group_[ray], results_.hit(ray));
       Visitor none;
       traverse_bottom(block, start, group[ray], rules, search, none);
       results_.set(ray, search.hit());
@@ -70,8 +69,8 @@ class InstancePackets {
   HWY_NOINLINE void finish(uint32_t ref, uint32_t rays) {
     for (; rays != 0; rays &= rays - 1) {
       const auto ray = static_cast<uint32_t>(std::countr_zero(rays));
-      Search search(*run_.shared, group_[ray], results_.hit(ray));
-      Level level(block_, bounds_, group_[ray], search);
+      Search search(shared_, group_[ray], results_.hit(ray));
+      Level level(shared_.structure, bounds_, group_[ray], search);
       Visitor none;
       traverse_subtree<Order::distance>(level, ref, InstanceLeaves{addresses_, plain_}, search, none);
       results_.set(ray, search.hit());
@@ -89,14 +88,13 @@ class InstancePackets {
       const auto ray = static_cast<uint32_t>(std::countr_zero(rays));
       object_ray_lanes(instance, group_[ray], object_rays_[ray]);
     }
-    return {run_.shared, object_rays_, sizeof(Ray), packet_size};
+    return {&shared_, object_rays_, sizeof(Ray), packet_size};
   }
 
   AddressSpace addresses_;
-  RayRun run_;
-  const std::byte* block_;
+  const TraceRequest& shared_;
   BoundsLanes bounds_;
-  InstanceRules plain_{0, 0, run_.shared->ray_flags, nullptr};
+  InstanceRules plain_{0, 0, shared_.ray_flags, nullptr};
   PacketResults results_;
   PacketTriangles triangles_;
   RayRun group_;

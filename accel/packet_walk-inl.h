@@ -20,6 +20,12 @@ HWY_BEFORE_NAMESPACE();
 
 namespace rayloom::accel::HWY_NAMESPACE {
 
+/// What each ray may hit.
+struct PacketNames {
+  uint32_t instance;
+  PacketWordVector geometry, primitive;
+};
+
 /// The closest hits of a packet's rays so far. Rays without one have t = t_max and kind 0.
 class PacketResults {
  public:
@@ -54,21 +60,21 @@ class PacketResults {
 
   /// Commits the hits of the rays `offered` that come before what these have found, as Search::offer_triangle() would;
   /// returns those rays. `front`: rays that meet the triangle's front.
-  HWY_INLINE uint32_t commit(const PacketHits& hits, uint32_t offered, uint32_t front, const HitName& name) {
+  HWY_INLINE uint32_t commit(const PacketHits& hits, uint32_t offered, uint32_t front, const PacketNames& names) {
     const PacketFloats d;
     const PacketVector t = this->t();
     uint32_t nearer = offered & packet_bits(hn::Lt(hits.t, t));
     const uint32_t equal = offered & packet_bits(hn::Eq(hits.t, t));
-    if (HWY_UNLIKELY(equal != 0)) nearer |= equal & tie_winners(name);
+    if (HWY_UNLIKELY(equal != 0)) nearer |= equal & tie_winners(names);
     if (nearer == 0) return 0;
     const PacketMask mask = packet_mask(nearer);
     replace(t_, hits.t, mask);
     replace(u_, hits.u, mask);
     replace(v_, hits.v, mask);
     const PacketWords w;
-    replace(instance_, hn::Set(w, name.instance), mask);
-    replace(geometry_, hn::Set(w, name.geometry), mask);
-    replace(primitive_, hn::Set(w, name.primitive), mask);
+    replace(instance_, hn::Set(w, names.instance), mask);
+    replace(geometry_, names.geometry, mask);
+    replace(primitive_, names.primitive, mask);
     const auto fronts = hn::RebindMask(w, packet_mask(front));
     replace(kind_,
             hn::IfThenElse(fronts, hn::Set(w, hit_kind_triangle_front_face), hn::Set(w, hit_kind_triangle_back_face)),
@@ -85,9 +91,14 @@ class PacketResults {
   }
 
   /// Rays that have a hit of a larger name.
-  uint32_t tie_winners(const HitName& name) const {
+  HWY_NOINLINE uint32_t tie_winners(const PacketNames& names) const {
+    const PacketWords w;
+    alignas(64) uint32_t geometry[packet_size], primitive[packet_size];
+    hn::Store(names.geometry, w, geometry);
+    hn::Store(names.primitive, w, primitive);
     uint32_t winners = 0;
     for (uint32_t ray = 0; ray < packet_size; ++ray) {
+      const HitName name{names.instance, geometry[ray], primitive[ray]};
       const bool smaller = name < HitName{instance_[ray], geometry_[ray], primitive_[ray]};
       winners |= uint32_t{kind_[ray] != 0 && smaller} << ray;
     }
@@ -141,27 +152,36 @@ class PacketWalk {
     return taken_;
   }
 
-  /// Visits leaves from `start` on, nearest first. `leaves.visit(address, rays)` tells whether some ray has found
-  /// something, `leaves.finish(ref, rays)` takes few rays through a subtree one by one.
-  template <class Leaves>
-  HWY_INLINE void run(uint32_t start, const PacketResults& results, Leaves& leaves) {
+  /// Begins at `start`.
+  HWY_INLINE void begin(uint32_t start, const PacketResults& results) {
     t_near_ = rays_.near_limit();
     first_near_ = hn::Set(Floats(), hn::GetLane(hn::MinOfLanes(PacketFloats(), t_near_)));
     shorten(results);
     stack_.insert(0, {start, taken_, 0});
-    while (!stack_.empty()) {
-      const PacketStack::Entry entry = stack_.pop();
-      const uint32_t rays = entry.rays & packet_bits(hn::Le(splat(entry.near), t_far_));
-      if (rays == 0) continue;
-      if (node_ref::is_leaf(entry.ref)) {
-        if (leaves.visit(block_ + node_ref::offset(entry.ref), rays)) shorten(results);
-      } else if (std::popcount(rays) <= alone) {
-        leaves.finish(entry.ref, rays);
-        shorten(results);
-      } else {
-        visit_node(*reinterpret_cast<const Node8*>(block_ + node_ref::offset(entry.ref)), rays);
-      }
+  }
+  bool done() const { return stack_.empty(); }
+
+  /// Visits what is nearest of what is left. `leaves.visit(address, rays)` tells whether some ray has found something,
+  /// `leaves.finish(ref, rays)` takes few rays through a subtree one by one.
+  template <class Leaves>
+  HWY_INLINE void step(const PacketResults& results, Leaves& leaves) {
+    const PacketStack::Entry entry = stack_.pop();
+    const uint32_t rays = entry.rays & packet_bits(hn::Le(splat(entry.near), t_far_));
+    if (rays == 0) return;
+    if (node_ref::is_leaf(entry.ref)) {
+      if (leaves.visit(block_ + node_ref::offset(entry.ref), rays)) shorten(results);
+    } else if (std::popcount(rays) <= alone) {
+      leaves.finish(entry.ref, rays);
+      shorten(results);
+    } else {
+      visit_node(*reinterpret_cast<const Node8*>(block_ + node_ref::offset(entry.ref)), rays);
     }
+  }
+
+  template <class Leaves>
+  HWY_INLINE void run(uint32_t start, const PacketResults& results, Leaves& leaves) {
+    begin(start, results);
+    while (!done()) step(results, leaves);
   }
 
   const std::byte* block() const { return block_; }

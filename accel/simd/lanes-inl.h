@@ -158,11 +158,15 @@ struct LeafTriangles {
   uint32_t used;
 };
 
-/// The third vertices of plain leaves are the entries from 16 on; everything else lies in the first 16.
+/// Where third vertices begin: those of plain leaves are the entries from 16 on, everything else lies in the first 16.
+HWY_INLINE size_t third_vertices(const TriangleLeaf& leaf) {
+  static_assert(TriangleLeaf::table_slots == 16 && TriangleLeaf::plain_slots == 24);
+  return leaf.slots & (leaf.slots << 1) & 16;
+}
+
 HWY_INLINE LeafTriangles load_triangles(const TriangleLeaf& leaf, const uint32_t (&axis)[3]) {
   const float *const x = leaf.row(axis[0]), *const y = leaf.row(axis[1]), *const z = leaf.row(axis[2]);
-  const size_t third = leaf.slots & (leaf.slots << 1) & 16;
-  static_assert(TriangleLeaf::table_slots == 16 && TriangleLeaf::plain_slots == 24);
+  const size_t third = third_vertices(leaf);
   return {look_up_vertex(x, y, z, leaf.corner[0]), look_up_vertex(x, y, z, leaf.corner[1]),
           look_up_vertex(x + third, y + third, z + third, leaf.corner[2]), leaf.used_mask()};
 }

@@ -20,15 +20,6 @@ namespace HWY_NAMESPACE {
 
 #if HWY_TARGET == HWY_AVX2 || HWY_TARGET == HWY_AVX3
 
-/// The corners of one triangle.
-struct PacketCorners {
-  HWY_INLINE PacketCorners(const TriangleLeaf& leaf, uint32_t lane) {
-    for (uint32_t corner = 0; corner < 3; ++corner)
-      for (uint32_t k = 0; k < 3; ++k) at[corner][k] = leaf.coordinate(corner, k, lane);
-  }
-  float at[3][3];
-};
-
 /// An edge's function for a ray of slopes (p, q) is constant + p * by_x + q * by_y.
 struct PacketEdge {
   HWY_INLINE PacketEdge(const ShearedVertex& a, const ShearedVertex& b)
@@ -169,19 +160,86 @@ HWY_INLINE DoubleVector3 splat(const float (&p)[3]) {
   return {hn::Set(d, double{p[0]}), hn::Set(d, double{p[1]}), hn::Set(d, double{p[2]})};
 }
 
+template <int half>
+HWY_INLINE DoubleVector promote_half(PacketVector v) {
+  const HalfFloats narrow;
+  if constexpr (half == 0)
+    return hn::PromoteTo(PacketDoubles(), hn::LowerHalf(narrow, v));
+  else
+    return hn::PromoteTo(PacketDoubles(), hn::UpperHalf(narrow, v));
+}
+
+template <int half>
+HWY_INLINE DoubleVector3 promote_half(const PacketVector (&v)[3]) {
+  return {promote_half<half>(v[0]), promote_half<half>(v[1]), promote_half<half>(v[2])};
+}
+
+/// The corners of one triangle, for all rays.
+struct CommonCorners {
+  HWY_INLINE CommonCorners(const TriangleLeaf& leaf, uint32_t lane) {
+    for (uint32_t corner = 0; corner < 3; ++corner)
+      for (uint32_t k = 0; k < 3; ++k) at_[corner][k] = leaf.coordinate(corner, k, lane);
+  }
+  template <int half>
+  HWY_INLINE DoubleVector3 corner(int i) const {
+    return splat(at_[i]);
+  }
+
+ private:
+  float at_[3][3];
+};
+
+/// Sixteen floats, one for each ray; indices are taken modulo sixteen.
+HWY_INLINE PacketVector look_up_sixteen(const float* table, PacketWordVector index) {
+#if HWY_TARGET == HWY_AVX3
+  return PacketVector{_mm512_permutexvar_ps(index.raw, hn::LoadU(PacketFloats(), table).raw)};
+#else
+  return look_up(hn::LoadU(Floats(), table), hn::LoadU(Floats(), table + 8), index);
+#endif
+}
+
+/// One of eight words for each ray.
+HWY_INLINE PacketWordVector look_up_eight(WordLanes table, PacketWordVector index) {
+#if HWY_TARGET == HWY_AVX3
+  return PacketWordVector{_mm512_permutexvar_epi32(index.raw, hn::ZeroExtendVector(PacketWords(), table).raw)};
+#else
+  return PacketWordVector{_mm256_permutevar8x32_epi32(table.raw, index.raw)};
+#endif
+}
+
+/// The corners of a triangle of each ray's own, all of one leaf.
+struct OwnCorners {
+  HWY_INLINE OwnCorners(const TriangleLeaf& leaf, PacketWordVector lane) {
+    const size_t third = third_vertices(leaf);
+    for (size_t i = 0; i < 3; ++i) {
+      const auto corners = hn::PromoteTo(Words(), hn::LoadU(hn::FixedTag<uint8_t, 8>(), leaf.corner[i]));
+      const PacketWordVector index = look_up_eight(corners, lane);
+      for (uint32_t k = 0; k < 3; ++k) at_[i][k] = look_up_sixteen(leaf.row(k) + (i == 2 ? third : 0), index);
+    }
+  }
+  template <int half>
+  HWY_INLINE DoubleVector3 corner(int i) const {
+    return promote_half<half>(at_[i]);
+  }
+
+ private:
+  PacketVector at_[3][3];
+};
+
 /// t, u and v of half a packet, and the rays for which they are the exact ones rounded.
 struct HalfHits {
   HalfVector t, u, v;
   uint32_t known = 0, front = 0;
 };
 
-/// What the rays of a packet share of a triangle: with p = v0 - o, the vectors whose products with a direction are
+/// What depends on no direction: with p = v0 - o, the vectors whose products with a direction are
 /// the determinants of triangle_determinants.h, the depth, and the errors of DeterminantErrors.
 struct PacketTriangle {
-  HWY_INLINE PacketTriangle(const PencilRays& rays, const PacketCorners& corners) {
+  HWY_INLINE PacketTriangle(const PencilRays& rays, const DoubleVector3& v0, const DoubleVector3& v1,
+                            const DoubleVector3& v2) {
     const PacketDoubles d;
-    const DoubleVector3 v0 = splat(corners.at[0]), point = subtract(v0, splat(rays.common_origin));
-    const DoubleVector3 edge1 = subtract(splat(corners.at[1]), v0), edge2 = subtract(splat(corners.at[2]), v0);
+    const DoubleVector3 point = subtract(v0, splat(rays.common_origin));
+    const DoubleVector3 edge1 = subtract(v1, v0), edge2 = subtract(v2, v0);
     area = cross(edge1, edge2);
     u = cross(edge2, point);
     v = cross(point, edge1);
@@ -202,20 +260,6 @@ struct PacketTriangle {
   DoubleVector area_error, u_error, v_error;  ///< for a direction whose dominant component is 1
   DoubleVector depth_error;
 };
-
-template <int half>
-HWY_INLINE DoubleVector promote_half(PacketVector v) {
-  const HalfFloats narrow;
-  if constexpr (half == 0)
-    return hn::PromoteTo(PacketDoubles(), hn::LowerHalf(narrow, v));
-  else
-    return hn::PromoteTo(PacketDoubles(), hn::UpperHalf(narrow, v));
-}
-
-template <int half>
-HWY_INLINE DoubleVector3 promote_half(const PacketVector (&v)[3]) {
-  return {promote_half<half>(v[0]), promote_half<half>(v[1]), promote_half<half>(v[2])};
-}
 
 /// The float that both ends of an interval around a quotient round to; `known` loses rays of which they differ.
 HWY_INLINE HalfVector round_quotient(DoubleVector numerator, DoubleVector error, DoubleVector inverse,
@@ -265,15 +309,21 @@ struct PacketHits {
   uint32_t known, front;
 };
 
-/// Hits of the rays `wanted`, which hit the triangle for certain.
-HWY_INLINE PacketHits hit_triangle(const PencilRays& rays, const PacketCorners& corners, uint32_t wanted) {
+template <int half, class Corners>
+HWY_INLINE HalfHits hit_half(const PencilRays& rays, const Corners& corners) {
+  return hit_half<half>(rays, PacketTriangle(rays, corners.template corner<half>(0), corners.template corner<half>(1),
+                                             corners.template corner<half>(2)));
+}
+
+/// Hits of the rays `wanted`, which hit triangles of these corners for certain.
+template <class Corners>
+HWY_INLINE PacketHits hit_triangles(const PencilRays& rays, const Corners& corners, uint32_t wanted) {
   constexpr uint32_t half_size = packet_size / 2, low_rays = (1u << half_size) - 1;
   const PacketFloats d;
-  const PacketTriangle triangle(rays, corners);
   const HalfVector none = hn::Zero(HalfFloats());
   HalfHits low{none, none, none}, high = low;
-  if (wanted & low_rays) low = hit_half<0>(rays, triangle);
-  if (wanted & ~low_rays) high = hit_half<1>(rays, triangle);
+  if (wanted & low_rays) low = hit_half<0>(rays, corners);
+  if (wanted & ~low_rays) high = hit_half<1>(rays, corners);
   return {hn::Combine(d, high.t, low.t), hn::Combine(d, high.u, low.u), hn::Combine(d, high.v, low.v),
           low.known | high.known << half_size, low.front | high.front << half_size};
 }

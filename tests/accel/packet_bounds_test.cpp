@@ -33,6 +33,7 @@ struct PacketProbe {
   uint32_t known[8], front[8];
   uint32_t boxes = 0;  ///< that some ray may meet
   uint32_t inside[8];  ///< rays that meet each box
+  size_t others = 0;   ///< hits that differ when every ray has a triangle of its own
 };
 
 using ProbeFunction = void (*)(const PacketQuestion&, PacketProbe&);
@@ -64,12 +65,30 @@ void probe_leaf(const PencilRays& rays, const PacketQuestion& question, PacketVe
     const PacketMasks masks = test_triangle(rays, leaf, lane, out.taken, t_far);
     out.undecided[lane] = masks.undecided;
     out.certain[lane] = masks.certain;
-    const PacketHits hits = hit_triangle(rays, PacketCorners(question.leaf, lane), all_rays);
+    const PacketHits hits = hit_triangles(rays, CommonCorners(question.leaf, lane), all_rays);
     store(hits.t, out.t[lane]);
     store(hits.u, out.u[lane]);
     store(hits.v, out.v[lane]);
     out.known[lane] = hits.known;
     out.front[lane] = hits.front;
+  }
+}
+
+/// Ray i with triangle i + shift, against what each triangle gave for all rays.
+void probe_own_corners(const PencilRays& rays, const PacketQuestion& question, uint32_t shift, PacketProbe& out) {
+  const PacketWords w;
+  const auto lanes = hn::And(hn::Add(hn::Iota(w, 0), hn::Set(w, shift)), hn::Set(w, 7));
+  const PacketHits hits = hit_triangles(rays, OwnCorners(question.leaf, lanes), all_rays);
+  float t[most_packet_rays], u[most_packet_rays], v[most_packet_rays];
+  store(hits.t, t);
+  store(hits.u, u);
+  store(hits.v, v);
+  for (uint32_t ray = 0; ray < packet_size; ++ray) {
+    const uint32_t lane = (ray + shift) & 7;
+    const bool known = (out.known[lane] >> ray & 1) != 0;
+    const bool same = t[ray] == out.t[lane][ray] && u[ray] == out.u[lane][ray] && v[ray] == out.v[lane][ray];
+    out.others += known != ((hits.known >> ray & 1) != 0) || (known && !same);
+    out.others += ((hits.front ^ out.front[lane]) >> ray & 1) != 0;
   }
 }
 
@@ -89,6 +108,7 @@ void probe(const PacketQuestion& question, PacketProbe& out) {
   out.axis = rays.middle.axis[2];
   const PacketVector t_far = hn::LoadU(PacketFloats(), question.t_far);
   probe_leaf(rays, question, t_far, out);
+  for (uint32_t shift = 0; shift < 8; ++shift) probe_own_corners(rays, question, shift, out);
   probe_boxes(rays, question.node, t_far, out);
 }
 
@@ -192,6 +212,7 @@ TEST_CASE("what a packet says of triangles and boxes is true of every ray in it"
         const FloatEnvironment environment;
         target.functions(question, probe);
       }
+      REQUIRE(probe.others == 0);
       if (probe.taken != 0) judge(c, hits, question, probe, tally);
     }
     std::printf(

@@ -1,0 +1,117 @@
+// Several packets at a time: while the bytes that one needs next are on their way, the others take their steps. Only
+// for targets with vectors; re-included once per target as traverse-inl.h is.
+
+// clang-format off: the guard flips for each target.
+#if defined(RAYLOOM_ACCEL_PACKETS_IN_TURN_INL_H) == defined(HWY_TARGET_TOGGLE)
+#ifdef RAYLOOM_ACCEL_PACKETS_IN_TURN_INL_H
+#undef RAYLOOM_ACCEL_PACKETS_IN_TURN_INL_H
+#else
+#define RAYLOOM_ACCEL_PACKETS_IN_TURN_INL_H
+#endif
+// clang-format on
+
+#include <rayloom/accel/simd/packet_vectors-inl.h>
+
+#include <algorithm>
+#include <new>
+#include <vector>
+
+HWY_BEFORE_NAMESPACE();
+
+#if HWY_TARGET == HWY_AVX2 || HWY_TARGET == HWY_AVX3
+
+namespace rayloom::accel::HWY_NAMESPACE {
+
+/// Traces what goes together of a run of rays. A Packet has `load(group, wanted)`, which takes on some of the wanted
+/// rays of a group of packet_size and returns them, 0 if none go together; `step()`, until it is `done()`; and
+/// `write(rays, results)`. Packet::most: how many are worth having under way.
+template <class Packet>
+class PacketsInTurn {
+ public:
+  using Result = typename Packet::Result;
+
+  PacketsInTurn(AddressSpace addresses, const RayRun& rays, Result* results) : run_(rays), results_(results) {
+    const size_t count = std::min(Packet::most, rays.count / packet_size);
+    slots_.reserve(count);
+    for (size_t i = 0; i < count; ++i) slots_.emplace_back(addresses, *rays.shared);
+  }
+
+  /// `leave(begin, count)` is told of rays that do not go together, in ascending order.
+  template <class Leave>
+  void run(const Leave& leave) {
+    Slot* active[Packet::most];
+    size_t count = 0;
+    while (count < slots_.size() && start(slots_[count], leave)) active[count] = &slots_[count], ++count;
+    while (count != 0) {
+      for (size_t i = 0; i < count; ++i) {
+        Slot& slot = *active[i];
+        slot.packet.step();
+        if (HWY_LIKELY(!slot.packet.done())) continue;
+        slot.packet.write(slot.taken, results_ + slot.first);
+        if (!start(slot, leave)) active[i--] = active[--count];
+      }
+    }
+  }
+
+ private:
+  struct Slot {
+    Slot(AddressSpace addresses, const TraceRequest& shared) : packet(addresses, shared) {}
+    size_t first = 0;    ///< ray of the run
+    uint32_t taken = 0;  ///< rays from there on
+    Packet packet;
+  };
+
+  /// Gives the packet the next rays that go together; false if there are none. Where rays do not, fewer and fewer
+  /// groups are asked.
+  template <class Leave>
+  bool start(Slot& slot, const Leave& leave) {
+    while (next_ + packet_size <= run_.count) {
+      slot.first = next_;
+      slot.taken = slot.packet.load(run_.part(next_, packet_size), wanted_);
+      wanted_ &= ~slot.taken;
+      if (slot.taken == 0) leave_group(leave);
+      if (wanted_ == 0) begin_next(packet_size);
+      if (slot.taken != 0) {
+        skipped_ = 0;
+        return true;
+      }
+    }
+    if (next_ < run_.count) leave(next_, run_.count - next_);
+    next_ = run_.count;
+    return false;
+  }
+
+  /// What is wanted of the next group, and, if that is all of it, some groups after it.
+  template <class Leave>
+  void leave_group(const Leave& leave) {
+    if (wanted_ != all_rays) {
+      for (; wanted_ != 0; wanted_ &= wanted_ - 1) leave(next_ + static_cast<size_t>(std::countr_zero(wanted_)), 1);
+      return;
+    }
+    const size_t count = std::min(run_.count - next_, packet_size * (1 + skipped_));
+    leave(next_, count);
+    begin_next(count);
+    skipped_ = std::min(2 * skipped_ + 1, most_skipped);
+  }
+
+  void begin_next(size_t count) {
+    next_ += count;
+    wanted_ = all_rays;
+  }
+
+  static constexpr size_t most_skipped = 15;
+
+  RayRun run_;
+  Result* results_;
+  size_t next_ = 0;
+  uint32_t wanted_ = all_rays;  ///< of the group at next_
+  size_t skipped_ = 0;          ///< groups left unasked after the last that did not go together
+  std::vector<Slot> slots_;
+};
+
+}  // namespace rayloom::accel::HWY_NAMESPACE
+#endif  // target
+
+HWY_AFTER_NAMESPACE();
+
+#endif  // once a target
