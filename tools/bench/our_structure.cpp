@@ -9,13 +9,9 @@
 namespace rayloom::bench {
 namespace {
 
-/// Memory in huge pages where the system has them, as the peer's own allocator and the runtime's Device ask for.
-std::byte* map_huge(uint64_t bytes) {
-  void* const memory = mmap(nullptr, bytes, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
-  if (memory == MAP_FAILED) throw std::bad_alloc();
-  madvise(memory, bytes, MADV_HUGEPAGE);
-  return static_cast<std::byte*>(memory);
-}
+constexpr uint64_t huge_page_bytes = uint64_t{2} << 20;
+
+uint64_t round_up(uint64_t bytes) { return (bytes + huge_page_bytes - 1) / huge_page_bytes * huge_page_bytes; }
 
 accel::TriangleGeometry geometry_of(const BenchMesh& mesh, uint32_t flags) {
   accel::TriangleGeometry geometry;
@@ -39,12 +35,26 @@ accel::InstanceDesc describe(const PeerInstance& instance, uint32_t index, const
 
 }  // namespace
 
+/// Memory that is all in huge pages where the system has them, as the peer's own allocator asks for.
+OurStructure::Block::Block(uint64_t bytes) : mapped_(round_up(bytes) + huge_page_bytes) {
+  void* const memory =
+      mmap(nullptr, mapped_, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
+  if (memory == MAP_FAILED) throw std::bad_alloc();
+  mapping_ = static_cast<std::byte*>(memory);
+  const auto address = reinterpret_cast<uintptr_t>(mapping_);
+  data = mapping_ + (round_up(address) - address);
+  madvise(data, round_up(bytes), MADV_HUGEPAGE);
+}
+
+OurStructure::Block::~Block() {
+  if (mapping_) munmap(mapping_, mapped_);
+}
+
 template <class Sizes, class Build>
 void OurStructure::build(const Sizes& sizes, const Build& build) {
-  const uint64_t mapped = sizes.result_bytes;
-  Block& block = blocks_.emplace_back(Block{map_huge(mapped), mapped});
-  build_time_.add([&] { bytes_ += build(std::span(block.memory, mapped)); });
-  const accel::StructureInfo info = accel::structure_info(block.memory);
+  const Block& block = blocks_.emplace_back(sizes.result_bytes);
+  build_time_.add([&] { bytes_ += build(std::span(block.data, sizes.result_bytes)); });
+  const accel::StructureInfo info = accel::structure_info(block.data);
   if (!info.top_level && info.primitives >= largest_.primitives) largest_ = info;
 }
 
@@ -58,15 +68,11 @@ OurStructure::OurStructure(const BenchScene& scene, accel::BuildSettings setting
   if (!scene.two_level()) return;
   std::vector<accel::InstanceDesc> descs;
   for (const PeerInstance& instance : scene.instances) {
-    descs.push_back(describe(instance, static_cast<uint32_t>(descs.size()), blocks_[instance.mesh].memory));
+    descs.push_back(describe(instance, static_cast<uint32_t>(descs.size()), blocks_[instance.mesh].data));
   }
   build(accel::top_level_sizes(descs.size(), settings), [&](std::span<std::byte> result) {
     return accel::build_top_level(descs, accel::AddressSpace{}, settings, result);
   });
-}
-
-OurStructure::~OurStructure() {
-  for (const Block& block : blocks_) munmap(block.memory, block.mapped);
 }
 
 }  // namespace rayloom::bench

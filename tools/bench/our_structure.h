@@ -7,6 +7,8 @@
 #include <rayloom/accel/trace.h>
 #include <rayloom/tools/bench/bench_scene.h>
 
+#include <utility>
+
 namespace rayloom::bench {
 
 class OurStructure {
@@ -14,12 +16,9 @@ class OurStructure {
   /// One bottom level, or one a mesh and a top level over the instances. All geometries are opaque unless asked.
   explicit OurStructure(const BenchScene& scene, accel::BuildSettings settings = accel::build_flag::prefer_fast_trace,
                         uint32_t geometry_flags = accel::geometry_flag::opaque);
-  ~OurStructure();
-  OurStructure(const OurStructure&) = delete;
-  OurStructure& operator=(const OurStructure&) = delete;
 
   /// What rays are traced against; its instance descs hold host addresses (AddressSpace{}).
-  const std::byte* root() const { return blocks_.back().memory; }
+  const std::byte* root() const { return blocks_.back().data; }
   /// Bytes used, all structures together.
   uint64_t bytes() const { return bytes_; }
   /// Of all builds together, without reserving memory.
@@ -31,9 +30,18 @@ class OurStructure {
   }
 
  private:
-  struct Block {
-    std::byte* memory;
-    uint64_t mapped;
+  class Block {
+   public:
+    explicit Block(uint64_t bytes);
+    Block(Block&& other) noexcept
+        : data(other.data), mapping_(std::exchange(other.mapping_, nullptr)), mapped_(other.mapped_) {}
+    Block& operator=(Block&&) = delete;
+    ~Block();
+    std::byte* data;
+
+   private:
+    std::byte* mapping_;
+    uint64_t mapped_;
   };
   template <class Sizes, class Build>
   void build(const Sizes& sizes, const Build& build);
