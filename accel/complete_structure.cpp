@@ -16,7 +16,7 @@ namespace {
 void complete_bottom_level(std::byte* block) {
   StructureHeader header = header_of(block);
   const LazyInput input(block);
-  header.lazy_root = header.node_count = header.leaf_count = 0;
+  header.lazy_root = header.first_part = header.part_count = header.node_count = header.leaf_count = 0;
   const uint64_t most = largest_structure(header.primitive_count, header.kind, header.build_flags);
   assert(most <= header.bytes);
   ScratchVector<std::byte> built(most + granule_bytes);

@@ -73,8 +73,7 @@ struct alignas(64) Task {
 };
 
 /// Traces rays whose structure has a root that they want. `instances`: it is a top level. Result: Hit, or for
-/// Order::stored a byte that tells whether the ray hits anything. `lazy`: structures may be lazy; `instances` must be
-/// set, whichever level it is.
+/// Order::stored a byte that tells whether the ray hits anything. `lazy`: structures may be.
 template <Order order, bool instances, class Result, bool lazy = false>
 class Interleaver {
  public:
@@ -131,6 +130,7 @@ class Interleaver {
 
   /// Puts the task on the list of what it needs next, without a branch.
   [[gnu::always_inline]] static Ends file(Task& task, Ends ends, bool really = true) {
+    if (lazy) task.ref = past_built_part(level_of(task).block, task.ref);
     const uint32_t ref = task.ref;
     const bool inner = !node_ref::is_leaf(ref) & really;
     const bool triangles = node_ref::is_leaf(ref) & (ref != level_end) & (!instances | task.in_triangles) & really;

@@ -109,7 +109,8 @@ struct alignas(32) StructureHeader {
   float pad_scale;     ///< top level: 1 + the largest conditioning among its instances (docs/numerics.md); else 1
   uint32_t builder;    ///< enum Builder: what made the tree
   uint32_t lazy_root;  ///< of a lazy structure (lazy_layout.h) and of a top level over such; else 0
-  uint32_t reserved[5];
+  uint32_t first_part, part_count;  ///< of a lazy bottom level: granules from the first on stand for parts; else 0
+  uint32_t reserved[3];
 };
 static_assert(sizeof(StructureHeader) == 128 && offsetof(StructureHeader, bounds_min) == 32);
 

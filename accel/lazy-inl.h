@@ -25,7 +25,10 @@ namespace rayloom::accel::RAYLOOM_LANES {
 
 template <Order order, class Result>
 void interleave_lazily(AddressSpace addresses, const RayRun& rays, Result* results) {
-  Interleaver<order, true, Result, true>(addresses, rays, results).run();
+  if (header_of(rays.shared->structure).kind == StructureKind::instances)
+    Interleaver<order, true, Result, true>(addresses, rays, results).run();
+  else
+    Interleaver<order, false, Result, true>(addresses, rays, results).run();
 }
 
 Hit trace_lazily(AddressSpace addresses, const TraceRequest& request) {

@@ -1,6 +1,7 @@
 #include <rayloom/accel/binned_sah.h>
 #include <rayloom/accel/chunks.h>
 #include <rayloom/accel/collapse.h>
+#include <rayloom/accel/curve_tree.h>
 #include <rayloom/accel/lazy_build.h>
 #include <rayloom/accel/lazy_layout.h>
 #include <rayloom/accel/loose_wide.h>
@@ -15,26 +16,32 @@
 namespace rayloom::accel {
 namespace {
 
-/// How many of the first keys are the first part: half a part's size at least, cut where codes change most.
-uint32_t first_part(std::span<const MortonKey> keys) {
-  if (keys.size() <= lazy_part_size) return static_cast<uint32_t>(keys.size());
-  uint32_t best = lazy_part_size / 2, largest = 0;
-  for (uint32_t i = lazy_part_size / 2; i <= lazy_part_size; ++i) {
-    const uint32_t change = keys[i - 1].code ^ keys[i].code;
-    if (change > largest) largest = change, best = i;
-  }
-  return largest == 0 ? lazy_part_size : best;
-}
-
 struct Range {
   uint32_t first, count;
 };
 
+/// Cuts where codes change most, as the curve's tree does, until parts are small enough.
+void cut_on_curve(std::span<const MortonKey> keys, const Range& range, std::vector<Range>& parts) {
+  if (range.count <= lazy_part_size) return parts.push_back(range);
+  const uint32_t change = detail::change_of(range.count, [&](uint32_t i) { return keys[range.first + i].code; });
+  const uint32_t left = change != 0 ? change : range.count / 2;
+  cut_on_curve(keys, {range.first, left}, parts);
+  cut_on_curve(keys, {range.first + left, range.count - left}, parts);
+}
+
+std::vector<Range> cut_evenly(size_t keys) {
+  std::vector<Range> parts;
+  for (size_t first = 0; first < keys; first += lazy_part_size)
+    parts.push_back(
+        {static_cast<uint32_t>(first), static_cast<uint32_t>(std::min<size_t>(lazy_part_size, keys - first))});
+  return parts;
+}
+
+/// At most most_lazy_parts().
 std::vector<Range> cut_into_parts(std::span<const MortonKey> keys) {
   std::vector<Range> parts;
-  for (uint32_t first = 0; first < keys.size(); first += parts.back().count)
-    parts.push_back({first, first_part(keys.subspan(first))});
-  return parts;
+  cut_on_curve(keys, {0, static_cast<uint32_t>(keys.size())}, parts);
+  return parts.size() <= most_lazy_parts(keys.size()) ? parts : cut_evenly(keys.size());
 }
 
 /// References to parts, numbered as their primitives.
@@ -84,6 +91,8 @@ class LazyBuild {
       return stub;
     });
     header.lazy_root = wide.add_node(root);
+    header.first_part = granule(layout_.parts);
+    header.part_count = static_cast<uint32_t>(parts_.size());
     assert(uint64_t{wide.granule()} * granule_bytes <= layout_.built);
     header.depth = root.depth + 1;
     header.node_count = static_cast<uint32_t>(wide.nodes().size());
@@ -97,20 +106,20 @@ class LazyBuild {
   uint64_t part_place(uint32_t part) const { return layout_.parts + part * sizeof(LazyPart); }
 
   void write_state() const {
-    LazyState state{order_.curve(), layout_.geometries, layout_.keys, 0, 0, 0, granule(layout_.built)};
-    state.part_count = static_cast<uint32_t>(parts_.size());
+    LazyState state{order_.curve(), layout_.geometries, layout_.keys, 0, 0, granule(layout_.built)};
     state.key_count = static_cast<uint32_t>(order_.keys().size());
     std::memcpy(&lazy_state(block_), &state, sizeof(state));
   }
 
   void write_parts(const BuildSettings& settings) const {
     for (uint32_t i = 0; i < parts_.size(); ++i) {
-      LazyPart part{};
-      part.first = parts_[i].first;
-      part.count = parts_[i].count;
-      part.budget = static_cast<uint32_t>(leaf_budget(part.count, StructureKind::triangles, settings));
+      const uint64_t budget = leaf_budget(parts_[i].count, StructureKind::triangles, settings);
+      const LazyPart part{parts_[i].first, parts_[i].count, static_cast<uint32_t>(budget), {}};
       std::memcpy(block_ + part_place(i), &part, sizeof(part));
     }
+    std::memset(block_ + part_place(static_cast<uint32_t>(parts_.size())), 0, TriangleLeaf::overread_bytes);
+    std::memset(block_ + LazyLayout::roots, 0, parts_.size() * sizeof(uint32_t));
+    static_assert(part_unbuilt == 0);
   }
 
   void copy_geometries() const {

@@ -8,12 +8,9 @@ namespace {
 
 constexpr uint64_t round_up(uint64_t bytes, uint64_t to) { return (bytes + to - 1) / to * to; }
 
-/// All but the last have at least half of a part's size (cut_into_parts).
-uint64_t most_parts(uint64_t primitives) { return 2 * primitives / lazy_part_size + 1; }
-
 /// Leaves and nodes of all parts: the sum of what leaf_budget() and node_bound() give for each.
 uint64_t built_bytes(uint64_t primitives, const BuildSettings& settings) {
-  const uint64_t parts = most_parts(primitives), full = primitives / leaf_width + parts;
+  const uint64_t parts = most_lazy_parts(primitives), full = primitives / leaf_width + parts;
   const uint64_t leaves =
       (settings.flags & build_flag::minimize_memory) ? full + full / 8 : full + full / 2 + 6 * parts;
   const uint64_t nodes = parts + 3 * leaves / 5;
@@ -23,10 +20,10 @@ uint64_t built_bytes(uint64_t primitives, const BuildSettings& settings) {
 }  // namespace
 
 LazyLayout lazy_layout(std::span<const TriangleGeometry> geometries, const BuildSettings& settings) {
-  const uint64_t primitives = checked_count(geometries), parts = most_parts(primitives);
+  const uint64_t primitives = checked_count(geometries), parts = most_lazy_parts(primitives);
   LazyLayout layout;
-  layout.parts = sizeof(StructureHeader) + sizeof(LazyState);
-  layout.nodes = layout.parts + parts * sizeof(LazyPart);
+  layout.parts = round_up(LazyLayout::roots + parts * sizeof(uint32_t), granule_bytes);
+  layout.nodes = layout.parts + parts * sizeof(LazyPart) + TriangleLeaf::overread_bytes;
   layout.built = layout.nodes + node_bound(parts) * sizeof(Node8);
   layout.geometries = round_up(layout.built + built_bytes(primitives, settings), granule_bytes);
   layout.keys = layout.geometries + geometries.size() * sizeof(LazyGeometry);

@@ -3,7 +3,8 @@
 // The bytes of a lazy structure: the top of a tree over parts of triangles, and what building the parts takes. It keeps
 // copies of its inputs, and room for all that may be built, so that nothing but its own block is needed later:
 //
-//   header | state | parts | nodes above parts | room for what is built of parts | geometries | keys | their buffers
+//   header | state | roots of parts | parts | nodes above parts | room for what is built of parts | geometries | keys |
+//   buffers
 //
 // Its header says that it has no root, as an empty structure's does, and lazy_root instead: kernels for ordinary
 // structures take neither, so they have nothing to tell apart.
@@ -21,19 +22,20 @@ namespace rayloom::accel {
 /// Most triangles of a part.
 inline constexpr uint32_t lazy_part_size = 1024;
 
-/// A part of the triangles. It begins as a leaf without triangles, which is where the tree above refers to.
-struct alignas(32) LazyPart {
-  TriangleLeaf stub;
+/// Most parts that so many triangles are cut into: half-full ones are usual.
+inline constexpr uint64_t most_lazy_parts(uint64_t primitives) { return 4 * primitives / lazy_part_size + 1; }
+
+/// A part of the triangles, and the leaf that stands for it in the tree above: so many bytes of it as a filter reads
+/// say that there are no triangles in it.
+struct alignas(granule_bytes) LazyPart {
   uint32_t first, count;  ///< its keys
   uint32_t budget;        ///< leaves it may have
-  uint32_t unchanging[13];
-  uint32_t root;  ///< LazyPart::unbuilt, being_built, or a node_ref; changes while rays are traced
-  uint32_t unused[7];
-
-  static constexpr uint32_t unbuilt = 0, being_built = 1;
+  uint32_t none[5];
 };
-static_assert(offsetof(LazyPart, root) == sizeof(TriangleLeaf) + TriangleLeaf::overread_bytes,
-              "what a filter reads of a stub must not change");
+static_assert(sizeof(LazyPart) == granule_bytes && offsetof(TriangleLeaf, count) >= offsetof(LazyPart, none));
+
+/// What may stand for the root of a part that is not built.
+inline constexpr uint32_t part_unbuilt = 0, part_being_built = 1;
 
 /// The depth at which the tree above parts begins, and each part's own: choices end at max_choice_depth, and halving
 /// takes at most 20 levels above parts and 7 in them, so that both together fit into max_depth.
@@ -43,7 +45,7 @@ inline constexpr uint32_t lazy_first_depth = 16;
 struct alignas(32) LazyState {
   MortonCurve curve;
   uint64_t geometries, keys;
-  uint32_t part_count, key_count;
+  uint32_t key_count;
   uint32_t built_count;   ///< parts; changes while rays are traced
   uint32_t next_granule;  ///< where the next part's bytes go; changes likewise
 };
@@ -58,6 +60,8 @@ struct LazyGeometry {
 
 /// Where everything lies. Follows from counts and flags alone (PB-03).
 struct LazyLayout {
+  /// A word a part: part_unbuilt, part_being_built or a node_ref; they change while rays are traced.
+  static constexpr uint64_t roots = sizeof(StructureHeader) + sizeof(LazyState);
   uint64_t parts, nodes, built, geometries, keys, buffers, bytes;
 };
 LazyLayout lazy_layout(std::span<const TriangleGeometry> geometries, const BuildSettings& settings);

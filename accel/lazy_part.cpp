@@ -16,7 +16,9 @@ class OutOfMemory : public std::bad_alloc {
 };
 
 /// Returns the part's root.
-uint32_t construct(std::byte* block, const LazyPart& part) {
+uint32_t construct(std::byte* block, uint32_t index) {
+  const LazyPart& part =
+      reinterpret_cast<const LazyPart*>(block + uint64_t{header_of(block).first_part} * granule_bytes)[index];
   const LazyInput stored(block);
   const TriangleCurve order = stored.order(part.first, part.count);
   PartBuilder builder(order, stored.tree_input());
@@ -31,29 +33,29 @@ uint32_t construct(std::byte* block, const LazyPart& part) {
 }
 
 /// Gives the others the part's root, or leave to try themselves.
-void publish(LazyPart& part, uint32_t root) {
-  std::atomic_ref(part.root).store(root, std::memory_order_release);
-  std::atomic_ref(part.root).notify_all();
+void publish(std::atomic_ref<uint32_t> place, uint32_t root) {
+  place.store(root, std::memory_order_release);
+  place.notify_all();
 }
 
 }  // namespace
 
-uint32_t detail::build_lazy_part(std::byte* block, LazyPart& part) {
-  const std::atomic_ref root(part.root);
-  for (uint32_t seen = LazyPart::unbuilt; !root.compare_exchange_strong(seen, LazyPart::being_built);) {
-    if (seen > LazyPart::being_built) return seen;
-    if (seen == LazyPart::being_built) root.wait(seen);
-    seen = LazyPart::unbuilt;
+uint32_t detail::build_lazy_part(std::byte* block, uint32_t part) {
+  const std::atomic_ref<uint32_t> root = root_of_part(block, part);
+  for (uint32_t seen = part_unbuilt; !root.compare_exchange_strong(seen, part_being_built);) {
+    if (seen > part_being_built) return seen;
+    if (seen == part_being_built) root.wait(seen);
+    seen = part_unbuilt;
   }
   try {
     const uint32_t built = construct(block, part);
-    publish(part, built);
+    publish(root, built);
     return built;
   } catch (const std::bad_alloc&) {
-    publish(part, LazyPart::unbuilt);
+    publish(root, part_unbuilt);
     throw OutOfMemory();
   } catch (...) {
-    publish(part, LazyPart::unbuilt);
+    publish(root, part_unbuilt);
     throw;
   }
 }

@@ -46,7 +46,7 @@ StructureInfo structure_info(const std::byte* block) {
   info.geometries = header.geometry_count;
   info.lazy = is_lazy(header);
   if (info.lazy && !info.top_level) {
-    info.parts = lazy_state(block).part_count;
+    info.parts = header.part_count;
     info.built_parts = built_lazy_parts(block);
   }
   info.sah_cost = header.sah_cost;

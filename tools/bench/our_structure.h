@@ -11,6 +11,11 @@
 
 namespace rayloom::bench {
 
+/// How many parts lazy structures have, and how many of them are built.
+struct LazyParts {
+  uint64_t all = 0, built = 0;
+};
+
 class OurStructure {
  public:
   /// One bottom level, or one a mesh and a top level over the instances. All geometries are opaque unless asked.
@@ -25,6 +30,8 @@ class OurStructure {
   const WorkTime& build_time() const { return build_time_; }
   /// Of the structure that holds most triangles.
   const accel::StructureInfo& largest() const { return largest_; }
+  /// Of all lazy bottom levels together, at this moment.
+  LazyParts lazy_parts() const;
   accel::TraceRequest request(const accel::Ray& ray, uint32_t ray_flags = 0) const {
     return {.ray = ray, .structure = root(), .ray_flags = ray_flags};
   }

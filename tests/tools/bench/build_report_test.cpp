@@ -34,6 +34,23 @@ TEST_CASE("Effective rays a second tend to the build for few rays and to the tra
   CHECK(slow_build.effective_rate(1e9) == Approx(2e6).epsilon(0.01));
 }
 
+TEST_CASE("What lazy builds take is what was measured, and beyond that all parts that are left are charged for") {
+  BuildRow lazy = row(lazy_builder, true, 0.2, 1);  // a million rays a second once built
+  lazy.parts = 100;
+  lazy.lazy_runs = {{1e4, {0.5, 0.25, 0.26}, 10}, {1e5, {0.7, 0.8, 0.9}, 50}};
+  CHECK(lazy.seconds_for(1e4) == Approx(0.26));
+  CHECK(lazy.seconds_for(1e5) == Approx(0.8));
+  CHECK(lazy.seconds_for(5.5e4) == Approx(0.53));
+  CHECK(lazy.seconds_for(5e3) == Approx(0.23));
+  // Half of the parts took 0.8 - 0.2 - 0.1 seconds.
+  CHECK(lazy.seconds_for(1.1e6) == Approx(0.8 + 0.5 + 1));
+  CHECK(lazy.effective_rate(1e5) == Approx(1e5 / 0.8));
+
+  BenchReport report("build", "test");
+  add_builds(report, {row("binned_sah", true, 1, 1), lazy});
+  CHECK(report.json["rows"][1]["lazy_runs"][1]["built_parts"] == 50);
+}
+
 TEST_CASE("The least lead is at the worst point of the envelope") {
   // Ahead in building, level in tracing.
   CHECK(least_lead({row("a", true, 0.5, 1), row("Embree low", false, 1, 1)}) == Approx(1).epsilon(0.001));

@@ -3,7 +3,6 @@
 #include <rayloom/tools/report.h>
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 #include <map>
 
@@ -31,6 +30,12 @@ Json to_json(const BuildRow& row) {
   json["memory_bytes"] = row.bytes;
   json["bytes_per_triangle"] = bytes_per_triangle(row);
   json["rays_per_second"] = to_json(row.trace.rate());
+  for (const LazyRun& run : row.lazy_runs) {
+    json["lazy_runs"].push_back({{"rays", run.rays},
+                                 {"seconds", to_json(spread_of(run.seconds))},
+                                 {"built_parts", run.built_parts},
+                                 {"parts", row.parts}});
+  }
   return json;
 }
 
@@ -53,16 +58,35 @@ std::vector<std::string> table_row(const BuildRow& row) {
   return cells;
 }
 
-std::vector<double> rays_per_build() {
-  std::vector<double> rays;
-  for (int quarter = 16; quarter <= 36; ++quarter) rays.push_back(std::pow(10.0, quarter / 4.0));
-  return rays;
-}
-
 const BuildRow* find(const std::vector<BuildRow>& rows, std::string_view builder) {
   const auto found =
       std::find_if(rows.begin(), rows.end(), [&](const BuildRow& row) { return row.builder == builder; });
   return found == rows.end() ? nullptr : &*found;
+}
+
+/// What lazy builds took for the first rays, beside the best that is not lazy.
+PageTable lazy_table(const std::vector<std::vector<BuildRow>>& scenes) {
+  PageTable table{
+      "lazy",
+      "Lazy builds and their first rays, which build the parts they come to; one thread",
+      {{"scene", "rays", "parts built", "build + trace, ms", "effective Mrays/s", "best other, Mrays/s", ""}}};
+  for (const auto& rows : scenes) {
+    const BuildRow* const lazy = find(rows, lazy_builder);
+    if (!lazy) continue;
+    for (const LazyRun& run : lazy->lazy_runs) {
+      const BuildRow* best = nullptr;
+      for (const BuildRow& row : rows)
+        if (row.ours && &row != lazy && (!best || row.effective_rate(run.rays) > best->effective_rate(run.rays)))
+          best = &row;
+      const double share = static_cast<double>(run.built_parts) / static_cast<double>(lazy->parts);
+      table.rows.push_back(
+          {lazy->scene, fmt::format("{:.0f}", run.rays),
+           fmt::format("{} of {} ({:.0f} %)", run.built_parts, lazy->parts, 100 * share),
+           to_text(spread_of(run.seconds), 1e3), fmt::format("{:.3f}", 1e-6 * lazy->effective_rate(run.rays)),
+           fmt::format("{:.3f}", best ? 1e-6 * best->effective_rate(run.rays) : 0), best ? best->builder : ""});
+    }
+  }
+  return table;
 }
 
 /// Ratios of one scene that targets bound, by the target's name.
@@ -168,6 +192,7 @@ void add_builds(BenchReport& report, const std::vector<BuildRow>& rows) {
   }
   report.add_table(table);
   const std::vector<std::vector<BuildRow>> scenes = by_scene(rows);
+  report.add_table(lazy_table(scenes));
   for (const auto& scene : scenes) report.page.add_chart(effective_rate_chart(scene));
   add_targets(report.targets, scenes);
 }

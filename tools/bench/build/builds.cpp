@@ -6,6 +6,8 @@
 #include <rayloom/tools/bench/traced_rays.h>
 #include <rayloom/tools/interrupt.h>
 
+#include <algorithm>
+#include <cmath>
 #include <stdexcept>
 
 #include <fmt/format.h>
@@ -17,10 +19,17 @@ namespace {
 struct Entry {
   BuildRow row;
   std::optional<accel::Builder> builder;  ///< none: Embree
+  uint32_t build_flags = 0;
   EmbreeQuality quality = EmbreeQuality::high;
   std::unique_ptr<OurStructure> structure;
   std::unique_ptr<Peer> peer;
 };
+
+/// Who builds the parts of lazy structures.
+constexpr accel::Builder lazy_parts = accel::Builder::lbvh;
+
+/// Side of the picture whose rays lazy structures are given, unless the user wants a larger one.
+constexpr uint32_t lazy_size = 1024;
 
 std::vector<Entry> make_entries(const BenchScene& scene, const BuildOptions& options) {
   std::vector<Entry> entries;
@@ -34,6 +43,9 @@ std::vector<Entry> make_entries(const BenchScene& scene, const BuildOptions& opt
     return entry;
   };
   for (const accel::Builder builder : accel::all_builders()) add(accel::builder_name(builder), true).builder = builder;
+  Entry& lazy = add(lazy_builder, true);
+  lazy.builder = lazy_parts;
+  lazy.build_flags = accel::build_flag::lazy;
   if (!options.against_embree) return entries;
   for (const EmbreeQuality quality : {EmbreeQuality::low, EmbreeQuality::medium, EmbreeQuality::high}) {
     add("Embree " + describe({quality}), false).quality = quality;
@@ -46,7 +58,7 @@ WorkTime rebuild(Entry& entry, const BenchScene& scene, unsigned threads) {
   const ThreadLimit limit(threads);
   if (entry.builder) {
     entry.structure.reset();
-    entry.structure = std::make_unique<OurStructure>(scene, accel::BuildSettings(0, *entry.builder));
+    entry.structure = std::make_unique<OurStructure>(scene, accel::BuildSettings(entry.build_flags, *entry.builder));
     return entry.structure->build_time();
   }
   entry.peer.reset();
@@ -85,6 +97,7 @@ void describe_tree(Entry& entry) {
   }
   const accel::StructureInfo& info = entry.structure->largest();
   entry.row.bytes = entry.structure->bytes();
+  if (info.lazy) return;
   const double children = static_cast<double>(info.nodes + info.leaves) - 1;
   entry.row.shape = TreeShape{info.sah_cost, info.depth, info.nodes ? children / static_cast<double>(info.nodes) : 0};
 }
@@ -118,7 +131,53 @@ void measure_traces(std::vector<Entry>& entries, const BenchScene& scene, const 
   }
 }
 
+/// Every so many-th ray, so that a few come from all over the picture, too.
+Rays spread_over(const Rays& rays, size_t count) {
+  Rays some;
+  for (size_t i = 0; i < count; ++i) some.push_back(rays[i * rays.size() / count]);
+  return some;
+}
+
+void run_lazily(Entry& entry, const BenchScene& scene, const Rays& rays, LazyRun& run) {
+  WorkTime time = rebuild(entry, scene, 1);
+  const ThreadLimit limit(1);
+  std::vector<accel::Hit> hits(rays.size());
+  time.add([&] { trace_in_batches(*entry.structure, 0, usual_batch)(rays, hits); });
+  run.seconds.push_back(time.seconds(Clock::thread_cpu));
+  const LazyParts parts = entry.structure->lazy_parts();
+  entry.row.parts = parts.all;
+  run.built_parts = parts.built;
+}
+
+/// At each point of the graph for which there are rays. Leaves a structure that has been traced.
+void measure_lazy_runs(Entry& entry, const BenchScene& scene, const Rays& rays, const BuildOptions& options) {
+  for (const double count : rays_per_build())
+    if (count <= static_cast<double>(rays.size())) entry.row.lazy_runs.push_back({count, {}, 0});
+  std::optional<Progress> progress;
+  const uint64_t rounds = options.repetitions * entry.row.lazy_runs.size();
+  if (options.progress) progress.emplace(scene.name + " lazy builds", rounds, "builds");
+  for (uint64_t round = 0; round < options.repetitions; ++round) {
+    for (LazyRun& run : entry.row.lazy_runs) {
+      tools::throw_if_interrupted();
+      run_lazily(entry, scene, spread_over(rays, static_cast<size_t>(run.rays)), run);
+      if (progress) progress->advance();
+    }
+  }
+}
+
+/// Seconds between two runs, as if rays in between took alike.
+double between(const LazyRun& a, const LazyRun& b, double rays) {
+  const double from = spread_of(a.seconds).median, to = spread_of(b.seconds).median;
+  return from + (to - from) * (rays - a.rays) / (b.rays - a.rays);
+}
+
 }  // namespace
+
+std::vector<double> rays_per_build() {
+  std::vector<double> rays;
+  for (int quarter = 16; quarter <= 36; ++quarter) rays.push_back(std::pow(10.0, quarter / 4.0));
+  return rays;
+}
 
 const Measured* BuildRow::built_with(unsigned threads) const {
   for (const auto& [count, measured] : builds) {
@@ -127,15 +186,32 @@ const Measured* BuildRow::built_with(unsigned threads) const {
   return nullptr;
 }
 
-double BuildRow::effective_rate(double rays) const {
-  return rays / (built_with(1)->time().median + rays / trace.rate().median);
+double BuildRow::effective_rate(double rays) const { return rays / seconds_for(rays); }
+
+double BuildRow::seconds_for(double rays) const {
+  const double build = built_with(1)->time().median, rate = trace.rate().median;
+  if (lazy_runs.empty()) return build + rays / rate;
+  LazyRun before{0, {build}, 0};
+  for (const LazyRun& run : lazy_runs) {
+    if (rays <= run.rays) return between(before, run, rays);
+    before = run;
+  }
+  const double seconds = spread_of(before.seconds).median, in_parts = seconds - build - before.rays / rate;
+  const double left = static_cast<double>(parts - before.built_parts) / static_cast<double>(before.built_parts);
+  return seconds + std::max(0.0, in_parts) * left + (rays - before.rays) / rate;
 }
 
 std::vector<BuildRow> run_builds(const std::string& name, const BuildOptions& options) {
   const BenchScene scene = load_bench_scene(name, options.scenes_directory);
   std::vector<Entry> entries = make_entries(scene, options);
   measure_builds(entries, scene, options);
-  const Rays rays = make_ray_sets(scene, *entries.front().structure, static_cast<uint32_t>(options.size)).bounce;
+  const auto size = static_cast<uint32_t>(options.size);
+  for (Entry& entry : entries) {
+    if (!(entry.build_flags & accel::build_flag::lazy)) continue;
+    const Rays many = make_ray_sets(scene, *entries.front().structure, std::max(size, lazy_size)).bounce;
+    measure_lazy_runs(entry, scene, many, options);
+  }
+  const Rays rays = make_ray_sets(scene, *entries.front().structure, size).bounce;
   measure_traces(entries, scene, rays, options);
   std::vector<BuildRow> rows;
   for (Entry& entry : entries) {
