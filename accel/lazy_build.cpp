@@ -113,7 +113,7 @@ class LazyBuild {
 
   void write_parts(const BuildSettings& settings) const {
     for (uint32_t i = 0; i < parts_.size(); ++i) {
-      const uint64_t budget = leaf_budget(parts_[i].count, StructureKind::triangles, settings);
+      const uint64_t budget = part_leaf_budget(parts_[i].count, settings);
       const LazyPart part{parts_[i].first, parts_[i].count, static_cast<uint32_t>(budget), {}};
       std::memcpy(block_ + part_place(i), &part, sizeof(part));
     }

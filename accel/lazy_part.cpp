@@ -17,8 +17,8 @@ class OutOfMemory : public std::bad_alloc {
 
 /// Returns the part's root.
 uint32_t construct(std::byte* block, uint32_t index) {
-  const LazyPart& part =
-      reinterpret_cast<const LazyPart*>(block + uint64_t{header_of(block).first_part} * granule_bytes)[index];
+  const auto* const parts = block + uint64_t{header_of(block).first_part} * granule_bytes;
+  const LazyPart& part = reinterpret_cast<const LazyPart*>(parts)[index];
   const LazyInput stored(block);
   const TriangleCurve order = stored.order(part.first, part.count);
   PartBuilder builder(order, stored.tree_input());
