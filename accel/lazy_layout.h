@@ -39,7 +39,7 @@ static_assert(sizeof(LazyPart) == granule_bytes && offsetof(TriangleLeaf, count)
 inline constexpr uint32_t part_unbuilt = 0, part_being_built = 1;
 
 /// The depth at which the tree above parts begins, and each part's own: choices end at max_choice_depth, and halving
-/// takes at most 20 levels above parts and 7 in them, so that both together fit into max_depth.
+/// takes at most 22 levels above parts and 7 in them, so that both together fit into max_depth.
 inline constexpr uint32_t lazy_first_depth = 16;
 
 /// Follows the header. Places are counted in bytes from the block's start.
