@@ -78,7 +78,7 @@ OurStructure::OurStructure(const BenchScene& scene, accel::BuildSettings setting
 LazyParts OurStructure::lazy_parts() const {
   LazyParts sum;
   for (const Block& block : blocks_) {
-    const accel::StructureInfo info = accel::structure_info(block.memory);
+    const accel::StructureInfo info = accel::structure_info(block.data);
     sum.all += info.parts;
     sum.built += info.built_parts;
   }
