@@ -68,8 +68,8 @@ struct StructureInfo {
   uint64_t primitives = 0;         ///< counting inactive and degenerate ones (instances of a top level)
   uint64_t active_primitives = 0;  ///< those in leaves
   uint32_t geometries = 0;
-  bool lazy = false;         ///< not yet complete, or a top level over such: depth, nodes, leaves, cost are of its top
-  uint64_t parts = 0;        ///< of a lazy bottom level
+  bool lazy = false;   ///< not complete, or a top level over such; depth, nodes and leaves are of its top, without cost
+  uint64_t parts = 0;  ///< of a lazy bottom level
   uint64_t built_parts = 0;  ///< those that rays came to so far
   double sah_cost = 0;       ///< expected node visits + leaf visits of a random ray that hits the root box
   float bounds_min[3] = {}, bounds_max[3] = {};
