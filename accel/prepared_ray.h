@@ -36,12 +36,14 @@ struct alignas(64) PreparedRay : Ray {
 
   /// Lower end of the interval in box space, never above t * box_scale.
   float near_limit(float t) const {
+    if (box_scale == 1) return t < 0x1p-126f ? 0.0f : std::min(t, 0x1p120f);
     const double scaled = double{t} * box_scale;
     return scaled < 0x1p-126 ? 0.0f : static_cast<float>(std::min(scaled, 0x1p120));
   }
 
   /// Upper end of the interval in box space, never below t * box_scale. t >= 0.
   float far_limit(float t) const {
+    if (box_scale == 1) return std::max(t, 0x1p-126f);
     return static_cast<float>(std::max(double{t} * box_scale, 0x1p-126));  // exact, or infinite
   }
 };

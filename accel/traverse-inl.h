@@ -29,6 +29,7 @@
 
 #ifdef HWY_TARGET_INCLUDE
 #include <rayloom/accel/simd/children-inl.h>
+#include <rayloom/accel/simd/lane_hit-inl.h>
 #include <rayloom/accel/simd/prepare-inl.h>
 HWY_BEFORE_NAMESPACE();
 #define RAYLOOM_LANES HWY_NAMESPACE
@@ -45,10 +46,15 @@ namespace rayloom::accel::RAYLOOM_LANES {
 struct Level {
   Level() = default;
   /// pad_scale: see prepare_ray(). Nothing may be traced if ray.valid is false.
+  Level(const std::byte* structure, const BoundsLanes& bounds, const Ray& unprepared, const Search& search) {
+    start(structure, bounds, unprepared, search);
+  }
   Level(const std::byte* structure, const Ray& unprepared, float pad_scale, const Search& search)
       : Level(structure, BoundsLanes(header_of(structure), pad_scale), unprepared, search) {}
-  Level(const std::byte* structure, const BoundsLanes& bounds, const Ray& unprepared, const Search& search)
-      : block(structure) {
+
+  [[gnu::always_inline]] void start(const std::byte* structure, const BoundsLanes& bounds, const Ray& unprepared,
+                                    const Search& search) {
+    block = structure;
     prepare_lanes(unprepared, bounds, ray);
     if (!ray.valid) return;
     t_near = ray.near_limit(ray.t_min);
@@ -110,8 +116,9 @@ template <Order order>
 /// From `ref` down through first children, to a leaf. False where a node has no child that the ray meets.
 template <Order order, class Visitor>
 [[gnu::always_inline]] inline bool descend(const Level& level, uint32_t& ref, TraversalStack& stack, Visitor& visitor) {
+  if (node_ref::is_leaf(ref)) return true;
   const BoxLanes lanes(level.ray);
-  while (!node_ref::is_leaf(ref)) {
+  do {
     const Node8& node = level.node(ref);
     const NodeHits hits = test_node(lanes, node, level.t_near, level.t_far);
     alignas(32) float near[8];
@@ -121,7 +128,7 @@ template <Order order, class Visitor>
     const Child next = first_child<order>(hits, node, near, Prefetch{level.block}, stack);
     ref = next.ref;
     visitor.on_pop(ref, next.near, false);
-  }
+  } while (!node_ref::is_leaf(ref));
   return true;
 }
 
@@ -156,18 +163,22 @@ struct TriangleLeaves {
 
   static std::optional<TriangleHit> intersect(const PreparedRay& ray, const TriangleLeaf& leaf, uint32_t lane,
                                               bool certain, float t_far) {
+    if (certain) return hit_lane(ray, leaf, lane, t_far);
     float v[3][3];
     for (uint32_t vertex = 0; vertex < 3; ++vertex)
       for (uint32_t axis = 0; axis < 3; ++axis) v[vertex][axis] = leaf.coordinate(vertex, axis, lane);
-    TriangleEffort effort;
-    if (certain) return hit_of<true>(ray, {{v[0], v[1], v[2]}}, t_far, effort);
     return intersect_triangle(ray, v[0], v[1], v[2], t_far);
   }
 
   template <class Visitor>
-  Offer visit(const Level& level, const std::byte* address, Search& search, Visitor& visitor) const {
+  [[gnu::always_inline]] Offer visit(const Level& level, const std::byte* address, Search& search,
+                                     Visitor& visitor) const {
     const auto* leaf = reinterpret_cast<const TriangleLeaf*>(address);
     const LeafMasks masks = test_triangles(TriangleLanes(level.ray), *leaf, level.depths);
+    if (masks.possible == 0) {
+      visitor.on_triangle_leaf(leaf, 0, 0);
+      return Offer::rejected;
+    }
     return offer_lanes(level, leaf, masks, search, visitor);
   }
 

@@ -7,6 +7,7 @@
 #include <rayloom/accel/layout.h>
 #include <rayloom/accel/prepared_ray.h>
 #include <rayloom/accel/simd/lane_masks.h>
+#include <rayloom/accel/triangle_hit.h>
 
 #include <algorithm>
 #include <bit>
@@ -173,6 +174,15 @@ inline LeafMasks test_triangles(const TriangleLanes& lanes, const TriangleLeaf& 
     masks.inside |= uint32_t{hit && depth.inside} << lane;
   }
   return masks;
+}
+
+/// The hit with a triangle of a leaf that the ray's line certainly hits, if it is in range.
+inline std::optional<TriangleHit> hit_lane(const PreparedRay& ray, const TriangleLeaf& leaf, uint32_t lane,
+                                           float t_far) {
+  float v[3][3];
+  for (uint32_t vertex = 0; vertex < 3; ++vertex)
+    for (uint32_t axis = 0; axis < 3; ++axis) v[vertex][axis] = leaf.coordinate(vertex, axis, lane);
+  return finish_triangle(ray, v[0], v[1], v[2], t_far);
 }
 
 }  // namespace rayloom::accel::scalar

@@ -9,6 +9,7 @@
 #include <hwy/highway.h>
 
 #include <rayloom/accel/simd/children-inl.h>
+#include <rayloom/accel/simd/lane_hit-inl.h>
 #include <rayloom/accel/simd/prepare-inl.h>
 
 #ifndef RAYLOOM_TESTS_ACCEL_LANES_TEST
@@ -28,6 +29,7 @@ struct LaneFunctions {
   void (*object_ray)(const InstanceRecord&, const Ray&, Ray&);
   void (*push)(const PreparedRay&, const Node8&, float t_near, float t_far, bool by_distance, TraversalStack&);
   void (*drop)(TraversalStack&, uint32_t base, float t_far);
+  std::optional<TriangleHit> (*hit)(const PreparedRay&, const TriangleLeaf&, uint32_t lane, float t_far);
 };
 
 }  // namespace rayloom::accel
@@ -70,8 +72,12 @@ void run_push(const PreparedRay& ray, const Node8& node, float t_near, float t_f
 
 void run_drop(TraversalStack& stack, uint32_t base, float t_far) { drop_farther(stack, base, t_far); }
 
+std::optional<TriangleHit> run_hit(const PreparedRay& ray, const TriangleLeaf& leaf, uint32_t lane, float t_far) {
+  return hit_lane(ray, leaf, lane, t_far);
+}
+
 LaneFunctions lane_functions() {
-  return {run_node, run_boxes, run_triangles, run_prepare, run_object_ray, run_push, run_drop};
+  return {run_node, run_boxes, run_triangles, run_prepare, run_object_ray, run_push, run_drop, run_hit};
 }
 
 #endif
@@ -268,6 +274,33 @@ TEST_CASE("triangle filters give the same masks on every target", "[unit]") {
     std::printf("%s: %d lanes certain, %d undecided\n", isa_name(target.isa).data(), certain, undecided);
     CHECK(certain > 10000);
     CHECK(undecided > 10000);
+  }
+}
+
+TEST_CASE("certain hits have the same bits on every target", "[unit]") {
+  for (const auto& target : targets()) {
+    Random random(29);
+    int hits = 0, outside = 0;
+    for (int i = 0; i < 100000; ++i) {
+      const test::LeafCase c = test::random_leaf_case(random);
+      const float t_far = random.chance(2) ? c.ray.t_max : std::fabs(random.scaled(-10, 10));
+      for (uint32_t left = target.functions.triangles(c.ray, c.leaf, c.ray.t_max).certain; left != 0;
+           left &= left - 1) {
+        const auto lane = static_cast<uint32_t>(std::countr_zero(left));
+        const auto expected = scalar::hit_lane(c.ray, c.leaf, lane, t_far);
+        const auto hit = target.functions.hit(c.ray, c.leaf, lane, t_far);
+        INFO(isa_name(target.isa) << ", case " << i << ", lane " << lane);
+        REQUIRE(hit.has_value() == expected.has_value());
+        outside += !hit;
+        if (!hit) continue;
+        ++hits;
+        const float found[] = {hit->t, hit->u, hit->v}, wanted[] = {expected->t, expected->u, expected->v};
+        REQUIRE(std::memcmp(found, wanted, sizeof found) == 0);
+        REQUIRE(hit->front == expected->front);
+      }
+    }
+    CHECK(hits > 10000);
+    CHECK(outside > 1000);
   }
 }
 
