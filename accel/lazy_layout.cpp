@@ -19,7 +19,7 @@ constexpr uint64_t least_slack = 2;
 uint64_t built_bytes(uint64_t primitives, const BuildSettings& settings) {
   const uint64_t parts = most_lazy_parts(primitives), full = primitives / leaf_width + parts;
   const uint64_t leaves = full + slack(full, settings) + least_slack * parts + 6, nodes = parts + 3 * leaves / 5;
-  return nodes * sizeof(Node8) + leaves * sizeof(PlainTriangleLeaf) + TriangleLeaf::overread_bytes;
+  return nodes * sizeof(Node8) + leaves * sizeof(PlainTriangleLeaf) + parts * TriangleLeaf::overread_bytes;
 }
 
 }  // namespace

@@ -15,6 +15,9 @@ class OutOfMemory : public std::bad_alloc {
   }
 };
 
+/// Between parts: what filters read beyond one's last leaf is never written while they may.
+constexpr uint32_t gap = TriangleLeaf::overread_bytes / granule_bytes;
+
 /// Returns the part's root.
 uint32_t construct(std::byte* block, uint32_t index) {
   const auto* const parts = block + uint64_t{header_of(block).first_part} * granule_bytes;
@@ -24,9 +27,9 @@ uint32_t construct(std::byte* block, uint32_t index) {
   PartBuilder builder(order, stored.tree_input());
   const uint32_t root = builder.build_alone({0, 0, part.count, part.budget, lazy_first_depth});
   LazyState& state = lazy_state(block);
-  const uint32_t place = std::atomic_ref(state.next_granule).fetch_add(builder.wide().granule());
-  assert((uint64_t{place} + builder.wide().granule()) * granule_bytes + TriangleLeaf::overread_bytes <=
-         state.geometries);
+  const uint32_t granules = builder.wide().granule() + gap;
+  const uint32_t place = std::atomic_ref(state.next_granule).fetch_add(granules);
+  assert((uint64_t{place} + granules) * granule_bytes <= state.geometries);
   builder.move_to(block, place);
   std::atomic_ref(state.built_count).fetch_add(1);
   return root + place;
