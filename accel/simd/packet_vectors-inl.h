@@ -52,7 +52,9 @@ HWY_INLINE PacketVector splat(float value) { return hn::Set(PacketFloats(), valu
 /// Four floats from `offset` on of the rays first, first + 4, first + 8 ... of a run.
 HWY_INLINE PacketVector every_fourth(const RayRun& rays, size_t first, size_t offset) {
   const hn::FixedTag<float, 8> pair;
-  const auto four = [&](size_t i) HWY_ATTR { return hn::LoadU(Axes(), rays[first + 4 * i].origin + offset); };
+  const auto four = [&](size_t i) HWY_ATTR {
+    return hn::LoadU(Axes(), reinterpret_cast<const float*>(&rays[first + 4 * i]) + offset);
+  };
   const auto low = hn::Combine(pair, four(1), four(0));
 #if HWY_TARGET == HWY_AVX3
   return hn::Combine(PacketFloats(), hn::Combine(pair, four(3), four(2)), low);
