@@ -65,6 +65,7 @@ void write_structure(const BuiltTree& built, const LeafBytes& leaf_bytes, uint64
   WideTree wide = make_wide_tree(built.tree, sizeof(StructureHeader), leaf_bytes);
   wide.bytes += overread;
   write_nodes(built.tree, wide, block, write_leaf);
+  std::memset(block + wide.bytes - overread, 0, overread);
   describe_tree(built.tree, wide, built.refs.size(), header);
 }
 

@@ -100,7 +100,9 @@ class StructureInParts {
     const LooseWide root = wide.add_below(tree, Collapse(tree), 0, [&](uint32_t slot) { return top.piece(slot).wide; });
     header_.root = wide.add_node(root);
     header_.depth = root.depth + 1;
-    header_.bytes = uint64_t{wide.granule()} * granule_bytes + TriangleLeaf::overread_bytes;
+    const uint64_t used = uint64_t{wide.granule()} * granule_bytes;
+    std::memset(block_ + used, 0, TriangleLeaf::overread_bytes);
+    header_.bytes = used + TriangleLeaf::overread_bytes;
     add_sums(wide);
     describe(tree[0].box);
   }

@@ -203,8 +203,10 @@ void write_any(const TriangleLeafWriter& writer, std::span<const PrimitiveRef> r
   leaf.mixed = writer.form == LeafForm::full || !one_geometry(refs);
 }
 
-/// Zeroes to the granule's end, and perhaps as many behind it.
-void pad(TriangleLeaf& leaf) { std::memset(reinterpret_cast<std::byte*>(leaf.row(3)), 0, granule_bytes); }
+/// Zeroes from after the last word to the granule's end, and perhaps as many behind it.
+void pad(TriangleLeaf& leaf) {
+  std::memset(reinterpret_cast<std::byte*>(leaf.row(3) + (leaf.mixed ? leaf_lanes : 0)), 0, granule_bytes);
+}
 
 }  // namespace
 
@@ -219,8 +221,8 @@ uint64_t TriangleLeafWriter::write(std::span<const PrimitiveRef> refs, std::byte
   }
   uint32_t geometry[leaf_lanes] = {};
   write_any(*this, refs, leaf, geometry);
-  pad(leaf);
   if (leaf.mixed) std::memcpy(leaf.row(3), geometry, sizeof(geometry));
+  pad(leaf);
   return leaf.bytes();
 }
 

@@ -141,6 +141,11 @@ class LowestError {
 void detail::parallel_chunks(uint64_t count, uint64_t grain, ChunkFunction function, void* body) {
   if (count == 0) return;
   grain = std::max<uint64_t>(grain, 1);
+  if (count <= grain) {
+    // On the spot: a thread of the caller's own must not wait for a place among workers, who may be waiting for it.
+    const FloatEnvironment environment;
+    return function(body, 0, count);
+  }
   auto& state = Parallel::instance().state();
   LowestError errors;
   const auto run_chunk = [&](uint64_t chunk) {

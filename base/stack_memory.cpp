@@ -22,6 +22,8 @@ std::byte* map_stack(std::size_t bytes) {
   throw std::bad_alloc();
 }
 
+void unmap_stack(std::byte* stack, std::size_t bytes) { munmap(stack - page_bytes(), bytes + page_bytes()); }
+
 /// Stacks out of use.
 class KeptStacks {
  public:
@@ -42,12 +44,13 @@ class KeptStacks {
     return begin;
   }
 
-  bool keep(std::byte* stack, std::size_t bytes) {
+  /// In place of those given back longest ago, where there would be too many.
+  void keep(std::byte* stack, std::size_t bytes) {
     const std::lock_guard lock(mutex_);
-    if (bytes > most_bytes_ - bytes_ || stacks_.size() == stacks_.capacity()) return false;
+    if (bytes > most_bytes_) return unmap_stack(stack, bytes);
+    while (bytes > most_bytes_ - bytes_ || stacks_.size() == stacks_.capacity()) drop_oldest();
     stacks_.push_back({stack, bytes});
     bytes_ += bytes;
-    return true;
   }
 
  private:
@@ -55,6 +58,14 @@ class KeptStacks {
     std::byte* begin;
     std::size_t bytes;
   };
+
+  void drop_oldest() {
+    const Stack oldest = stacks_.front();
+    stacks_.erase(stacks_.begin());
+    bytes_ -= oldest.bytes;
+    unmap_stack(oldest.begin, oldest.bytes);
+  }
+
   /// What a core has in use: lanes of two warps, and some more than the usual 256 KiB for each.
   static constexpr std::size_t stacks_a_core = 128, bytes_a_core = stacks_a_core * 320 * 1024;
 
@@ -78,9 +89,6 @@ std::byte* take_stack(std::size_t bytes) {
   return kept ? kept : map_stack(bytes);
 }
 
-void give_back_stack(std::byte* stack, std::size_t bytes) noexcept {
-  if (KeptStacks::instance().keep(stack, bytes)) return;
-  munmap(stack - page_bytes(), bytes + page_bytes());
-}
+void give_back_stack(std::byte* stack, std::size_t bytes) noexcept { KeptStacks::instance().keep(stack, bytes); }
 
 }  // namespace rayloom::detail

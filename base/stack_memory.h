@@ -12,7 +12,7 @@ std::size_t page_bytes();
 /// Readable and writable memory of `bytes`, a multiple of page_bytes(), above a guard page. Its contents mean nothing.
 /// Throws std::bad_alloc. Thread-safe.
 std::byte* take_stack(std::size_t bytes);
-/// `stack` is from take_stack(bytes). Kept up to a limit by the number of cores, beyond it unmapped.
+/// `stack` is from take_stack(bytes). As many as the number of cores allows are kept, the latest ones.
 void give_back_stack(std::byte* stack, std::size_t bytes) noexcept;
 
 }  // namespace rayloom::detail

@@ -73,6 +73,26 @@ TEST_CASE("the same bytes for any number of threads (DET-07)") {
   }
 }
 
+TEST_CASE("the same bytes whatever memory held before") {
+  const std::vector<Mesh> meshes = {icosphere(3), soup(3000, 33), soup(5, 34)};
+  std::vector<TriangleGeometry> geometries;  // leaves of one geometry and of several
+  for (const Mesh& mesh : meshes) geometries.push_back(mesh.geometry());
+  for (const Builder builder : all_builders())
+    for (const uint32_t flags : {build_flag::none, build_flag::allow_update, build_flag::minimize_memory}) {
+      CAPTURE(builder_name(builder), flags);
+      const BuildSettings settings(flags, builder);
+      const auto built_over = [&](int fill) {
+        std::vector<std::byte> dirt(1 << 20, static_cast<std::byte>(fill));  // what scratch memory is made of
+        dirt = {};
+        Block block(bottom_level_sizes(std::span<const TriangleGeometry>(geometries), settings).result_bytes);
+        std::memset(block.data(), fill, block.span().size());
+        block.used = build_bottom_level(std::span<const TriangleGeometry>(geometries), settings, block.span());
+        return block;
+      };
+      CHECK(same_bytes(built_over(0), built_over(0xFF)));
+    }
+}
+
 TEST_CASE("a structure holds every triangle once, inside its boxes") {
   for (const size_t count : {1u, 2u, 7u, 8u, 9u, 16u, 17u, 63u, 64u, 65u, 1000u, 20000u}) {
     CAPTURE(count);

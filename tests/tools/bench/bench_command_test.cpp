@@ -113,7 +113,8 @@ TEST_CASE("A build bench reports every builder and draws the graph") {
     CHECK(row["builds"][0]["triangles_per_second"]["median"] > 0);
     CHECK(row["rays_per_second"]["median"] > 0);
     CHECK(row["bytes_per_triangle"] > 0);
-    if (row["ours"]) CHECK(row["children_per_node"] >= 1);
+    const bool whole = row["ours"] && row["builder"] != "lazy";  // of a lazy structure only the top is there
+    if (whole) CHECK(row["children_per_node"] >= 1);
   }
   CHECK_THAT(scratch.listing(), Catch::Contains("out/build.html") && Catch::Contains("out/build.csv") &&
                                     Catch::Contains("out/effective_rate_cornell.csv") &&
