@@ -71,14 +71,21 @@ function(rayloom_parses_options)
   set_source_files_properties(${ARGN} PROPERTIES COMPILE_OPTIONS -O0)
 endfunction()
 
-# The targets tests_<label> build every test program of a label, and nothing else.
-foreach(label unit oracle image slow tsan_smoke fuzz)
+# The targets tests_<label> build every test program of a label, and nothing else; tests_libraries the unit and oracle
+# tests of the six folders, not those of tools, which have the label tools besides.
+foreach(label unit oracle image slow tsan_smoke fuzz libraries)
   add_custom_target(tests_${label})
 endforeach()
 
 function(rayloom_label_test name)
-  set_tests_properties(${name} PROPERTIES LABELS "${ARGN}")
-  foreach(label IN LISTS ARGN)
+  set(labels ${ARGN})
+  if(CMAKE_CURRENT_SOURCE_DIR MATCHES "/tests/(tools|numerics)")
+    list(APPEND labels tools)
+  elseif("unit" IN_LIST labels OR "oracle" IN_LIST labels)
+    list(APPEND labels libraries)
+  endif()
+  set_tests_properties(${name} PROPERTIES LABELS "${labels}")
+  foreach(label IN LISTS labels)
     if(TARGET tests_${label} AND TARGET ${name})
       add_dependencies(tests_${label} ${name})
     endif()
