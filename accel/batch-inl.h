@@ -189,8 +189,18 @@ inline void trace_closest(AddressSpace addresses, const RayRun& rays, Hit* hits)
     trace_one_by_one(addresses, rays, hits);
 }
 
+/// A request without its candidate function.
+inline TraceRequest without_candidate(TraceRequest request) {
+  request.candidate = nullptr;
+  return request;
+}
+
 inline void trace_run(AddressSpace addresses, const RayRun& rays, Hit* hits) {
   constexpr size_t worth_interleaving = 4;
+  if (rays.shared->candidate && never_asks(*rays.shared)) {
+    const TraceRequest shared = without_candidate(*rays.shared);
+    return trace_run(addresses, {&shared, rays.first, rays.stride, rays.count}, hits);
+  }
   if (rays.shared->candidate || rays.count < worth_interleaving)
     trace_one_by_one(addresses, rays, hits);
   else if (!worth_entering(*rays.shared))
@@ -203,6 +213,10 @@ inline void trace_run(AddressSpace addresses, const RayRun& rays, Hit* hits) {
 
 /// results[i]: whether ray i hits anything.
 inline void occlude_run(AddressSpace addresses, const RayRun& rays, uint8_t* results) {
+  if (rays.shared->candidate && never_asks(*rays.shared)) {
+    const TraceRequest shared = without_candidate(*rays.shared);
+    return occlude_run(addresses, {&shared, rays.first, rays.stride, rays.count}, results);
+  }
   if (!rays.shared->candidate && worth_entering(*rays.shared)) {
 #ifdef HWY_TARGET_INCLUDE
     const bool flat = header_of(rays.shared->structure).kind == StructureKind::triangles;
@@ -228,7 +242,8 @@ inline void trace_batch(AddressSpace addresses, std::span<const TraceRequest> re
   for (size_t begin = 0; begin < requests.size();) {
     size_t end = begin + 1;
     const size_t last = std::min(requests.size(), begin + longest_run);
-    while (end < last && same_run(requests[begin], requests[end])) ++end;
+    const bool silent = never_asks(requests[begin]);
+    while (end < last && same_run(requests[begin], requests[end], silent)) ++end;
     trace_run(addresses, run_of(requests.subspan(begin, end - begin)), &hits[begin]);
     begin = end;
   }

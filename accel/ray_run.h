@@ -1,5 +1,6 @@
 #pragma once
 
+#include <rayloom/accel/structure.h>
 #include <rayloom/accel/trace.h>
 
 #include <cstddef>
@@ -25,15 +26,24 @@ struct RayRun {
   RayRun part(size_t begin, size_t length) const { return {shared, &(*this)[begin], stride, length}; }
 };
 
-/// Requests without candidate function that agree in all but the ray.
+/// Requests that agree in all but the ray.
 inline RayRun run_of(std::span<const TraceRequest> requests) {
   return {requests.data(), &requests.data()->ray, sizeof(TraceRequest), requests.size()};
 }
 
-/// Whether two requests can be in one run. Those with a candidate function cannot: its calls come ray by ray.
-inline bool same_run(const TraceRequest& a, const TraceRequest& b) {
+/// Whether a candidate function, had the request one, would never be called: all that rays may hit is opaque triangles.
+inline bool never_asks(const TraceRequest& request) {
+  if (!request.structure) return true;
+  const StructureHeader& header = header_of(request.structure);
+  return header.kind == StructureKind::triangles && header.non_opaque_count == 0 &&
+         !(request.ray_flags & ray_flag::force_non_opaque);
+}
+
+/// Whether two requests can be in one run. `silent`: never_asks(a). Others with a candidate function cannot: its calls
+/// come ray by ray.
+inline bool same_run(const TraceRequest& a, const TraceRequest& b, bool silent) {
   return a.structure == b.structure && a.ray_flags == b.ray_flags && a.instance_mask == b.instance_mask &&
-         !a.candidate && !b.candidate;
+         (silent | (!a.candidate & !b.candidate));
 }
 
 }  // namespace rayloom::accel

@@ -130,6 +130,29 @@ TEST_CASE("an empty batch and a missing structure are no trouble") {
   });
 }
 
+TEST_CASE("a candidate function is asked in a batch whenever it is alone, and only then") {
+  const Mesh mesh = bumpy_sphere(3);
+  const Block opaque = build_geometries(std::vector{mesh.geometry()});
+  const Block mixed = build_geometries(std::vector{mesh.geometry(), cube(2).geometry(geometry_flag::none)});
+  static size_t asked;
+  const auto reject = [](void*, const Candidate&) noexcept -> Verdict { return ++asked, Verdict{}; };
+  for_each_isa([&](Isa) {
+    for (const Block* structure : {&opaque, &mixed})
+      for (const uint32_t flags : {ray_flag::none, ray_flag::force_non_opaque, ray_flag::force_opaque,
+                                   ray_flag::accept_first_hit_and_end_search}) {
+        CAPTURE(flags, structure == &opaque);
+        TraceRequest shared = request_for(*structure, {}, flags);
+        shared.candidate = reject;
+        size_t hits = 0;
+        asked = 0;
+        check(shared, mixed_rays(80, 300), hits);
+        const bool silent =
+            structure == &opaque ? flags != ray_flag::force_non_opaque : flags == ray_flag::force_opaque;
+        CHECK((asked == 0) == silent);
+      }
+  });
+}
+
 TEST_CASE("a batch may mix structures, flags and rays with candidate functions") {
   const Scene scene;
   const auto accept_small = [](void*, const Candidate& candidate) noexcept -> Verdict {
