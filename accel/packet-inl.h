@@ -178,7 +178,7 @@ class PacketTriangles {
 class TrianglePacket {
  public:
   using Result = Hit;
-  static constexpr size_t most = 4;
+  static constexpr size_t most = 4, groups_each = 8;
 
   TrianglePacket(AddressSpace, const TraceRequest& shared)
       : block_(shared.structure), rules_(0, 0, shared.ray_flags, nullptr), triangles_(shared, results_) {}

@@ -26,7 +26,7 @@ namespace rayloom::accel::HWY_NAMESPACE {
 class InstancePacket {
  public:
   using Result = Hit;
-  static constexpr size_t most = 1;  ///< a step goes through a whole instance
+  static constexpr size_t most = 1, groups_each = 1;  ///< a step goes through a whole instance
 
   InstancePacket(AddressSpace addresses, const TraceRequest& shared)
       : addresses_(addresses),

@@ -26,7 +26,7 @@ namespace rayloom::accel::HWY_NAMESPACE {
 class OcclusionPacket {
  public:
   using Result = uint8_t;
-  static constexpr size_t most = 8;
+  static constexpr size_t most = 8, groups_each = 1;
 
   OcclusionPacket(AddressSpace, const TraceRequest& shared)
       : shared_(shared), block_(shared.structure), rules_(0, 0, shared.ray_flags, nullptr) {}

@@ -24,16 +24,19 @@ namespace rayloom::accel::HWY_NAMESPACE {
 
 /// Traces what goes together of a run of rays. A Packet has `load(group, wanted)`, which takes on some of the wanted
 /// rays of a group of packet_size and returns them, 0 if none go together; `step()`, until it is `done()`; and
-/// `write(rays, results)`. Packet::most: how many are worth having under way.
+/// `write(rays, results)`. Packet::most: how many are worth having under way, if there are groups_each for each of
+/// them.
 template <class Packet>
 class PacketsInTurn {
  public:
   using Result = typename Packet::Result;
 
-  PacketsInTurn(AddressSpace addresses, const RayRun& rays, Result* results) : run_(rays), results_(results) {
-    const size_t count = std::min(Packet::most, rays.count / packet_size);
-    slots_.reserve(count);
-    for (size_t i = 0; i < count; ++i) slots_.emplace_back(addresses, *rays.shared);
+  PacketsInTurn(AddressSpace addresses, const RayRun& rays, Result* results)
+      : run_(rays), results_(results), first_(addresses, *rays.shared) {
+    const size_t count = std::min(Packet::most, rays.count / (Packet::groups_each * packet_size));
+    if (count < 2) return;
+    more_.reserve(count - 1);
+    for (size_t i = 1; i < count; ++i) more_.emplace_back(addresses, *rays.shared);
   }
 
   /// `leave(begin, count)` is told of rays that do not go together, in ascending order.
@@ -41,7 +44,9 @@ class PacketsInTurn {
   void run(const Leave& leave) {
     Slot* active[Packet::most];
     size_t count = 0;
-    while (count < slots_.size() && start(slots_[count], leave)) active[count] = &slots_[count], ++count;
+    if (start(first_, leave)) active[count++] = &first_;
+    for (Slot& slot : more_)
+      if (start(slot, leave)) active[count++] = &slot;
     while (count != 0) {
       for (size_t i = 0; i < count; ++i) {
         Slot& slot = *active[i];
@@ -106,7 +111,8 @@ class PacketsInTurn {
   size_t next_ = 0;
   uint32_t wanted_ = all_rays;  ///< of the group at next_
   size_t skipped_ = 0;          ///< groups left unasked after the last that did not go together
-  std::vector<Slot> slots_;
+  Slot first_;
+  std::vector<Slot> more_;
 };
 
 }  // namespace rayloom::accel::HWY_NAMESPACE
