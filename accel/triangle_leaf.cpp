@@ -203,9 +203,16 @@ void write_any(const TriangleLeafWriter& writer, std::span<const PrimitiveRef> r
   leaf.mixed = writer.form == LeafForm::full || !one_geometry(refs);
 }
 
-/// Zeroes from after the last word to the granule's end, and perhaps as many behind it.
+/// Zeroes from after the last word to the granule's end, and perhaps as many behind it where a PlainTriangleLeaf's
+/// geometries would be.
 void pad(TriangleLeaf& leaf) {
-  std::memset(reinterpret_cast<std::byte*>(leaf.row(3) + (leaf.mixed ? leaf_lanes : 0)), 0, granule_bytes);
+  auto* const table_end = reinterpret_cast<std::byte*>(leaf.row(3));
+  if (!leaf.mixed) {
+    std::memset(table_end, 0, granule_bytes);
+  } else {
+    const uint64_t used = 64 + 12 * uint64_t{leaf.slots} + sizeof(uint32_t) * leaf_lanes;
+    std::memset(table_end + sizeof(uint32_t) * leaf_lanes, 0, leaf.bytes() - used);
+  }
 }
 
 }  // namespace
