@@ -56,18 +56,15 @@ class PacketTriangles {
   HWY_INLINE bool visit(const std::byte* address, uint32_t rays) {
     const auto& leaf = *reinterpret_cast<const TriangleLeaf*>(address);
     uint32_t committed = 0;
-    CertainRays certain;
+    CertainRays certain[rows];
     PacketLeaf packet_leaf;
     for (uint32_t left = packet_leaf.load(walk_.rays(), leaf, walk_.deepest()); left != 0; left &= left - 1) {
       const auto lane = static_cast<uint32_t>(std::countr_zero(left));
-      const PacketMasks masks = test_triangle(walk_.rays(), packet_leaf, lane, rays, results_.t());
-      if ((masks.certain | masks.undecided) == 0) continue;
-      if (rules_.outcome_of(leaf.geometry_of(lane)) == Outcome::cull) continue;
-      if (HWY_UNLIKELY(masks.undecided != 0)) committed |= offer_alone(masks.undecided, leaf, lane, false);
-      if (HWY_UNLIKELY((certain.rays & masks.certain) != 0)) committed |= commit(leaf, certain);
-      certain.add(masks.certain, lane);
+      for (size_t r = 0; r < rows; ++r)
+        committed |= visit(r, PencilRays::part_of(rays, r), leaf, packet_leaf, lane, certain[r]);
     }
-    if (certain.rays != 0) committed |= commit(leaf, certain);
+    for (size_t r = 0; r < rows; ++r)
+      if (certain[r].rays != 0) committed |= commit(r, leaf, certain[r]);
     return committed != 0;
   }
 
@@ -100,27 +97,42 @@ class PacketTriangles {
     }
   };
 
-  /// Returns the rays of which these have become the closest hits, and forgets them.
-  HWY_INLINE uint32_t commit(const TriangleLeaf& leaf, CertainRays& certain) {
+  /// One triangle and the rays of a row. Not 0: some have found something.
+  HWY_INLINE uint32_t visit(size_t r, uint32_t rays, const TriangleLeaf& leaf, const PacketLeaf& packet_leaf,
+                            uint32_t lane, CertainRays& certain) {
+    if (rays == 0) return 0;
+    const PacketMasks masks = test_triangle(walk_.rays(), r, packet_leaf, lane, rays, results_.t(r));
+    if ((masks.certain | masks.undecided) == 0) return 0;
+    if (rules_.outcome_of(leaf.geometry_of(lane)) == Outcome::cull) return 0;
+    uint32_t committed = 0;
+    if (HWY_UNLIKELY(masks.undecided != 0)) committed = offer_alone(r, masks.undecided, leaf, lane, false);
+    if (HWY_UNLIKELY((certain.rays & masks.certain) != 0)) committed |= commit(r, leaf, certain);
+    certain.add(masks.certain, lane);
+    return committed;
+  }
+
+  /// Returns the rays of a row of which these have become the closest hits, and forgets them.
+  HWY_INLINE uint32_t commit(size_t r, const TriangleLeaf& leaf, CertainRays& certain) {
     const uint32_t lanes = certain.lanes, rays = certain.rays;
     const PacketWordVector lane = certain.lane;
     certain = CertainRays();
-    if ((lanes & (lanes - 1)) != 0) return commit(leaf, lane, rays, OwnCorners(leaf, lane));
-    return commit(leaf, lane, rays, CommonCorners(leaf, static_cast<uint32_t>(std::countr_zero(lanes))));
+    if ((lanes & (lanes - 1)) != 0) return commit(r, leaf, lane, rays, OwnCorners(leaf, lane));
+    return commit(r, leaf, lane, rays, CommonCorners(leaf, static_cast<uint32_t>(std::countr_zero(lanes))));
   }
 
   template <class Corners>
-  HWY_INLINE uint32_t commit(const TriangleLeaf& leaf, PacketWordVector lane, uint32_t certain,
+  HWY_INLINE uint32_t commit(size_t r, const TriangleLeaf& leaf, PacketWordVector lane, uint32_t certain,
                              const Corners& corners) {
-    const PacketRays& rays = walk_.rays();
-    const PacketHits hits = hit_triangles(walk_.rays(), corners, certain);
+    const PacketHits hits = hit_triangles(walk_.rays(), r, corners, certain);
     const uint32_t front = rules_.hits.swap_facing ? ~hits.front & all_rays : hits.front;
     const PacketMask finite = hn::Le(hits.t, splat(std::numeric_limits<float>::max()));
-    uint32_t offered = certain & hits.known & packet_bits(hn::And(hn::Gt(hits.t, rays.t_min), finite));
+    const PacketMask in_range = hn::And(hn::Gt(hits.t, walk_.rays().row[r].t_min), finite);
+    uint32_t offered = certain & hits.known & packet_bits(in_range);
     if (rules_.hits.culled_facing[true]) offered &= ~front;
     if (rules_.hits.culled_facing[false]) offered &= front;
-    uint32_t committed = results_.commit(hits, offered, front, names_of(leaf, lane));
-    if (HWY_UNLIKELY((certain & ~hits.known) != 0)) committed |= offer_alone(certain & ~hits.known, leaf, lane);
+    uint32_t committed = results_.commit(r, hits, offered, front, names_of(leaf, lane));
+    const uint32_t unknown = certain & ~hits.known;
+    if (HWY_UNLIKELY(unknown != 0)) committed |= offer_alone(r, unknown, leaf, lane);
     return committed;
   }
 
@@ -133,20 +145,20 @@ class PacketTriangles {
             look_up_eight(hn::LoadU(words, leaf.primitive), lane)};
   }
 
-  HWY_NOINLINE uint32_t offer_alone(uint32_t rays, const TriangleLeaf& leaf, PacketWordVector lanes) {
+  HWY_NOINLINE uint32_t offer_alone(size_t r, uint32_t rays, const TriangleLeaf& leaf, PacketWordVector lanes) {
     alignas(64) uint32_t lane[packet_size];
     hn::Store(lanes, PacketWords(), lane);
     uint32_t committed = 0;
     for (; rays != 0; rays &= rays - 1)
-      committed |= offer_alone(rays & -rays, leaf, lane[std::countr_zero(rays)], true);
+      committed |= offer_alone(r, rays & -rays, leaf, lane[std::countr_zero(rays)], true);
     return committed;
   }
 
-  /// Offers a triangle to rays one by one.
-  HWY_NOINLINE uint32_t offer_alone(uint32_t rays, const TriangleLeaf& leaf, uint32_t lane, bool certain) {
+  /// Offers a triangle to rays of a row one by one.
+  HWY_NOINLINE uint32_t offer_alone(size_t r, uint32_t rays, const TriangleLeaf& leaf, uint32_t lane, bool certain) {
     uint32_t committed = 0;
     for (; rays != 0; rays &= rays - 1) {
-      const auto ray = static_cast<uint32_t>(std::countr_zero(rays));
+      const auto ray = static_cast<uint32_t>(r * packet_size) + static_cast<uint32_t>(std::countr_zero(rays));
       Search search(shared_, group_[ray], results_.hit(ray));
       Visitor none;
       const auto hit = TriangleLeaves::intersect(level_of(ray, search).ray, leaf, lane, certain, search.t());
@@ -165,19 +177,22 @@ class PacketTriangles {
     return levels_[ray];
   }
 
+  static constexpr size_t rows = PencilRays::rows;
+
   const TraceRequest& shared_;
   PacketResults& results_;
   RayRun group_;  ///< where the rays are
   InstanceRules rules_;
   PacketWalk walk_;
   uint32_t prepared_;  ///< rays whose level has been made
-  Level levels_[packet_size];
+  Level levels_[PencilRays::size];
 };
 
 /// A packet on its way through a structure of triangles, for PacketsInTurn.
 class TrianglePacket {
  public:
   using Result = Hit;
+  static constexpr size_t size = PencilRays::size;
   static constexpr size_t most = 4, groups_each = 8;
 
   TrianglePacket(AddressSpace, const TraceRequest& shared)

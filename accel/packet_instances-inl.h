@@ -26,6 +26,7 @@ namespace rayloom::accel::HWY_NAMESPACE {
 class InstancePacket {
  public:
   using Result = Hit;
+  static constexpr size_t size = PencilRays::size;
   static constexpr size_t most = 1, groups_each = 1;  ///< a step goes through a whole instance
 
   InstancePacket(AddressSpace addresses, const TraceRequest& shared)
@@ -88,7 +89,7 @@ class InstancePacket {
       const auto ray = static_cast<uint32_t>(std::countr_zero(rays));
       object_ray_lanes(instance, group_[ray], object_rays_[ray]);
     }
-    return {&shared_, object_rays_, sizeof(Ray), packet_size};
+    return {&shared_, object_rays_, sizeof(Ray), size};
   }
 
   AddressSpace addresses_;
@@ -99,7 +100,7 @@ class InstancePacket {
   PacketTriangles triangles_;
   RayRun group_;
   PacketWalk walk_;
-  Ray object_rays_[packet_size] = {};
+  Ray object_rays_[size] = {};
 };
 
 }  // namespace rayloom::accel::HWY_NAMESPACE

@@ -26,6 +26,7 @@ namespace rayloom::accel::HWY_NAMESPACE {
 class OcclusionPacket {
  public:
   using Result = uint8_t;
+  static constexpr size_t size = BundleRays::size;
   static constexpr size_t most = 8, groups_each = 1;
 
   OcclusionPacket(AddressSpace, const TraceRequest& shared)
@@ -35,8 +36,8 @@ class OcclusionPacket {
     group_ = group;
     open_ = rays_.load(group, wanted, header_of(block_));
     if (open_ == 0) return 0;
-    t_near_ = rays_.near_limit();
-    t_far_ = rays_.far_limit(rays_.t_max);
+    t_near_ = rays_.near_limit(0);
+    t_far_ = rays_.far_limit(rays_.row[0].t_max);
     first_near_ = hn::Set(Floats(), hn::GetLane(hn::MinOfLanes(PacketFloats(), t_near_)));
     last_far_ = hn::Set(Floats(), hn::GetLane(hn::MaxOfLanes(PacketFloats(), t_far_)));
     push(header_of(block_).root, open_);
@@ -76,7 +77,7 @@ class OcclusionPacket {
     const PacketBoxHits hits = test_boxes(rays_, node, first_near_, last_far_);
     for (uint32_t left = hits.mask; left != 0; left &= left - 1) {
       const int lane = std::countr_zero(left);
-      push(node.child[lane], rays & test_child(rays_, node, lane, t_near_, t_far_));
+      push(node.child[lane], rays & test_child(rays_, rays_.row[0], node, lane, t_near_, t_far_));
     }
   }
 

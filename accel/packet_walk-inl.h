@@ -29,13 +29,14 @@ struct PacketNames {
 /// The closest hits of a packet's rays so far. Rays without one have t = t_max and kind 0.
 class PacketResults {
  public:
-  HWY_INLINE void start(const RayRun& rays) {
+  HWY_INLINE void start(const RayRun& group) {
     const PacketWords w;
-    for (size_t ray = 0; ray < packet_size; ++ray) t_[ray] = rays[ray].t_max;
-    for (uint32_t* words : {instance_, geometry_, primitive_, kind_}) hn::Store(hn::Zero(w), w, words);
+    for (size_t ray = 0; ray < size; ++ray) t_[ray] = group[std::min(ray, group.count - 1)].t_max;
+    for (uint32_t* words : {instance_, geometry_, primitive_, kind_})
+      for (size_t ray = 0; ray < size; ray += packet_size) hn::Store(hn::Zero(w), w, words + ray);
   }
 
-  HWY_INLINE PacketVector t() const { return hn::Load(PacketFloats(), t_); }
+  HWY_INLINE PacketVector t(size_t r) const { return hn::Load(PacketFloats(), t_ + r * packet_size); }
 
   Hit hit(uint32_t ray) const {
     if (kind_[ray] == 0) return {.t = t_[ray]};
@@ -58,25 +59,25 @@ class PacketResults {
     kind_[ray] = hit.hit_kind;
   }
 
-  /// Commits the hits of the rays `offered` that come before what these have found, as Search::offer_triangle() would;
-  /// returns those rays. `front`: rays that meet the triangle's front.
-  HWY_INLINE uint32_t commit(const PacketHits& hits, uint32_t offered, uint32_t front, const PacketNames& names) {
-    const PacketFloats d;
-    const PacketVector t = this->t();
+  /// Commits the hits of the rays `offered` of row r that come before what these have found, as
+  /// Search::offer_triangle() would; returns those rays. `front`: rays that meet the triangle's front.
+  HWY_INLINE uint32_t commit(size_t r, const PacketHits& hits, uint32_t offered, uint32_t front,
+                             const PacketNames& names) {
+    const PacketVector t = this->t(r);
     uint32_t nearer = offered & packet_bits(hn::Lt(hits.t, t));
     const uint32_t equal = offered & packet_bits(hn::Eq(hits.t, t));
-    if (HWY_UNLIKELY(equal != 0)) nearer |= equal & tie_winners(names);
+    if (HWY_UNLIKELY(equal != 0)) nearer |= equal & tie_winners(r, names);
     if (nearer == 0) return 0;
     const PacketMask mask = packet_mask(nearer);
-    replace(t_, hits.t, mask);
-    replace(u_, hits.u, mask);
-    replace(v_, hits.v, mask);
+    replace(r, t_, hits.t, mask);
+    replace(r, u_, hits.u, mask);
+    replace(r, v_, hits.v, mask);
     const PacketWords w;
-    replace(instance_, hn::Set(w, names.instance), mask);
-    replace(geometry_, names.geometry, mask);
-    replace(primitive_, names.primitive, mask);
+    replace(r, instance_, hn::Set(w, names.instance), mask);
+    replace(r, geometry_, names.geometry, mask);
+    replace(r, primitive_, names.primitive, mask);
     const auto fronts = hn::RebindMask(w, packet_mask(front));
-    replace(kind_,
+    replace(r, kind_,
             hn::IfThenElse(fronts, hn::Set(w, hit_kind_triangle_front_face), hn::Set(w, hit_kind_triangle_back_face)),
             mask);
     return nearer;
@@ -85,28 +86,31 @@ class PacketResults {
  private:
   /// A masked store would make the next load wait until it is done.
   template <class T, class V>
-  static HWY_INLINE void replace(T* values, V by, PacketMask mask) {
+  static HWY_INLINE void replace(size_t r, T* values, V by, PacketMask mask) {
     const hn::DFromV<V> d;
-    hn::Store(hn::IfThenElse(hn::RebindMask(d, mask), by, hn::Load(d, values)), d, values);
+    T* const row = values + r * packet_size;
+    hn::Store(hn::IfThenElse(hn::RebindMask(d, mask), by, hn::Load(d, row)), d, row);
   }
 
-  /// Rays that have a hit of a larger name.
-  HWY_NOINLINE uint32_t tie_winners(const PacketNames& names) const {
+  /// Rays of a row that have a hit of a larger name.
+  HWY_NOINLINE uint32_t tie_winners(size_t r, const PacketNames& names) const {
     const PacketWords w;
     alignas(64) uint32_t geometry[packet_size], primitive[packet_size];
     hn::Store(names.geometry, w, geometry);
     hn::Store(names.primitive, w, primitive);
     uint32_t winners = 0;
-    for (uint32_t ray = 0; ray < packet_size; ++ray) {
-      const HitName name{names.instance, geometry[ray], primitive[ray]};
+    for (uint32_t lane = 0; lane < packet_size; ++lane) {
+      const size_t ray = r * packet_size + lane;
+      const HitName name{names.instance, geometry[lane], primitive[lane]};
       const bool smaller = name < HitName{instance_[ray], geometry_[ray], primitive_[ray]};
-      winners |= uint32_t{kind_[ray] != 0 && smaller} << ray;
+      winners |= uint32_t{kind_[ray] != 0 && smaller} << lane;
     }
     return winners;
   }
 
-  alignas(64) float t_[packet_size], u_[packet_size], v_[packet_size];
-  alignas(64) uint32_t instance_[packet_size], geometry_[packet_size], primitive_[packet_size], kind_[packet_size];
+  static constexpr size_t size = PencilRays::size;
+  alignas(64) float t_[size], u_[size], v_[size];
+  alignas(64) uint32_t instance_[size], geometry_[size], primitive_[size], kind_[size];
 };
 
 /// What a packet has still to visit, the nearest on top. The members of entries lie apart, since a load of several
@@ -154,8 +158,10 @@ class PacketWalk {
 
   /// Begins at `start`.
   HWY_INLINE void begin(uint32_t start, const PacketResults& results) {
-    t_near_ = rays_.near_limit();
-    first_near_ = hn::Set(Floats(), hn::GetLane(hn::MinOfLanes(PacketFloats(), t_near_)));
+    for (size_t r = 0; r < rows; ++r) t_near_[r] = rays_.near_limit(r);
+    PacketVector first = t_near_[0];
+    for (size_t r = 1; r < rows; ++r) first = hn::Min(first, t_near_[r]);
+    first_near_ = hn::Set(Floats(), hn::GetLane(hn::MinOfLanes(PacketFloats(), first)));
     shorten(results);
     stack_.insert(0, {start, taken_, 0});
   }
@@ -166,7 +172,7 @@ class PacketWalk {
   template <class Leaves>
   HWY_INLINE void step(const PacketResults& results, Leaves& leaves) {
     const PacketStack::Entry entry = stack_.pop();
-    const uint32_t rays = entry.rays & packet_bits(hn::Le(splat(entry.near), t_far_));
+    const uint32_t rays = entry.rays & rays_beyond(entry.near);
     if (rays == 0) return;
     if (node_ref::is_leaf(entry.ref)) {
       if (leaves.visit(block_ + node_ref::offset(entry.ref), rays)) shorten(results);
@@ -189,13 +195,31 @@ class PacketWalk {
   FloatLanes deepest() const { return deepest_; }
 
  private:
+  static constexpr size_t rows = PencilRays::rows;
   static constexpr int alone = 1;  ///< so few rays are traced ray by ray
 
   HWY_INLINE void shorten(const PacketResults& results) {
-    t_far_ = rays_.far_limit(hn::IfThenElseZero(packet_mask(taken_), results.t()));
-    const float last = hn::GetLane(hn::MaxOfLanes(PacketFloats(), t_far_));
+    for (size_t r = 0; r < rows; ++r)
+      t_far_[r] = rays_.far_limit(hn::IfThenElseZero(packet_mask(PencilRays::part_of(taken_, r)), results.t(r)));
+    PacketVector farthest = t_far_[0];
+    for (size_t r = 1; r < rows; ++r) farthest = hn::Max(farthest, t_far_[r]);
+    const float last = hn::GetLane(hn::MaxOfLanes(PacketFloats(), farthest));
     last_far_ = hn::Set(Floats(), last);
     deepest_ = hn::Set(Floats(), last * rays_.depth_scale);
+  }
+
+  /// Those that have not hit anything before `near`.
+  HWY_INLINE uint32_t rays_beyond(float near) const {
+    uint32_t rays = 0;
+    for (size_t r = 0; r < rows; ++r) rays |= packet_bits(hn::Le(splat(near), t_far_[r])) << (r * packet_size);
+    return rays;
+  }
+
+  HWY_INLINE uint32_t rays_inside(const Node8& node, int lane) const {
+    uint32_t rays = 0;
+    for (size_t r = 0; r < rows; ++r)
+      rays |= test_child(rays_, rays_.row[r], node, lane, t_near_[r], t_far_[r]) << (r * packet_size);
+    return rays;
   }
 
   HWY_INLINE void visit_node(const Node8& node, uint32_t rays) {
@@ -205,7 +229,7 @@ class PacketWalk {
     const uint32_t base = stack_.size();
     for (uint32_t left = hits.mask; left != 0; left &= left - 1) {
       const int lane = std::countr_zero(left);
-      const uint32_t inside = rays & test_child(rays_, node, lane, t_near_, t_far_);
+      const uint32_t inside = rays & rays_inside(node, lane);
       if (inside == 0) continue;
       Prefetch{block_}(node.child[lane]);
       stack_.insert(base, {node.child[lane], inside, near[lane]});
@@ -215,9 +239,9 @@ class PacketWalk {
   const std::byte* block_;
   uint32_t taken_;
   PencilRays rays_;
-  PacketVector t_near_, t_far_;       ///< limits of each ray, in box space
-  FloatLanes first_near_, last_far_;  ///< of all of them
-  FloatLanes deepest_;                ///< no hit in the interval has a larger depth along the dominant axis
+  PacketVector t_near_[rows], t_far_[rows];  ///< limits of each ray, in box space
+  FloatLanes first_near_, last_far_;         ///< of all of them
+  FloatLanes deepest_;                       ///< no hit in the interval has a larger depth along the dominant axis
   PacketStack stack_;
 };
 

@@ -23,9 +23,9 @@ HWY_BEFORE_NAMESPACE();
 namespace rayloom::accel::HWY_NAMESPACE {
 
 /// Traces what goes together of a run of rays. A Packet has `load(group, wanted)`, which takes on some of the wanted
-/// rays of a group of packet_size and returns them, 0 if none go together; `step()`, until it is `done()`; and
-/// `write(rays, results)`. Packet::most: how many are worth having under way, if there are groups_each for each of
-/// them.
+/// rays of a group of Packet::size, fewer at the end, and returns them, 0 if none go together; `step()`, until it is
+/// `done()`; and `write(rays, results)`. Packet::most: how many are worth having under way, if there are groups_each
+/// for each of them.
 template <class Packet>
 class PacketsInTurn {
  public:
@@ -33,7 +33,7 @@ class PacketsInTurn {
 
   PacketsInTurn(AddressSpace addresses, const RayRun& rays, Result* results)
       : run_(rays), results_(results), first_(addresses, *rays.shared) {
-    const size_t count = std::min(Packet::most, rays.count / (Packet::groups_each * packet_size));
+    const size_t count = std::min(Packet::most, rays.count / (Packet::groups_each * size));
     if (count < 2) return;
     more_.reserve(count - 1);
     for (size_t i = 1; i < count; ++i) more_.emplace_back(addresses, *rays.shared);
@@ -70,12 +70,12 @@ class PacketsInTurn {
   /// groups are asked.
   template <class Leave>
   bool start(Slot& slot, const Leave& leave) {
-    while (next_ + packet_size <= run_.count) {
+    while (group_size() >= fewest) {
       slot.first = next_;
-      slot.taken = slot.packet.load(run_.part(next_, packet_size), wanted_);
+      slot.taken = slot.packet.load(run_.part(next_, group_size()), wanted_);
       wanted_ &= ~slot.taken;
       if (slot.taken == 0) leave_group(leave);
-      if (wanted_ == 0) begin_next(packet_size);
+      if (wanted_ == 0) begin_next(group_size());
       if (slot.taken != 0) {
         skipped_ = 0;
         return true;
@@ -89,11 +89,11 @@ class PacketsInTurn {
   /// What is wanted of the next group, and, if that is all of it, some groups after it.
   template <class Leave>
   void leave_group(const Leave& leave) {
-    if (wanted_ != all_rays) {
+    if (wanted_ != everyone()) {
       for (; wanted_ != 0; wanted_ &= wanted_ - 1) leave(next_ + static_cast<size_t>(std::countr_zero(wanted_)), 1);
       return;
     }
-    const size_t count = std::min(run_.count - next_, packet_size * (1 + skipped_));
+    const size_t count = std::min(run_.count - next_, size * (1 + skipped_));
     leave(next_, count);
     begin_next(count);
     skipped_ = std::min(2 * skipped_ + 1, most_skipped);
@@ -101,16 +101,20 @@ class PacketsInTurn {
 
   void begin_next(size_t count) {
     next_ += count;
-    wanted_ = all_rays;
+    wanted_ = everyone();
   }
 
-  static constexpr size_t most_skipped = 15;
+  /// Of the group at next_.
+  size_t group_size() const { return std::min(size, run_.count - next_); }
+  uint32_t everyone() const { return group_size() == 0 ? 0 : ~0u >> (32 - group_size()); }
+
+  static constexpr size_t size = Packet::size, fewest = packet_size / 2, most_skipped = 15;
 
   RayRun run_;
   Result* results_;
   size_t next_ = 0;
-  uint32_t wanted_ = all_rays;  ///< of the group at next_
-  size_t skipped_ = 0;          ///< groups left unasked after the last that did not go together
+  uint32_t wanted_ = everyone();  ///< of the group at next_
+  size_t skipped_ = 0;            ///< groups left unasked after the last that did not go together
   Slot first_;
   std::vector<Slot> more_;
 };

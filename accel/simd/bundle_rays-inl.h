@@ -19,7 +19,7 @@ namespace HWY_NAMESPACE {
 
 #if HWY_TARGET == HWY_AVX2 || HWY_TARGET == HWY_AVX3
 
-class BundleRays : public PacketRays {
+class BundleRays : public PacketRays<1> {
  public:
   static constexpr float largest_difference = 0.25f;  ///< of two directions, over the dominant component
 
@@ -27,10 +27,10 @@ class BundleRays : public PacketRays {
   /// have extreme coordinates; nothing else may be asked then.
   HWY_INLINE uint32_t load(const RayRun& rays, uint32_t wanted, const StructureHeader& header) {
     const Ray& first = begin(rays, wanted);
-    const uint32_t taken = wanted & packet_bits(hn::And(alike(first), near(first, header)));
+    const uint32_t taken = wanted & packet_bits(hn::And(alike(0, first, largest_difference), near(first, header)));
     if (std::popcount(taken) < fewest || (taken & (wanted & -wanted)) == 0) return 0;
-    repeat(first, taken);
-    if (!prepare(first, range_of(origin), largest_angle, header, 1)) return 0;
+    row[0].repeat(first, taken);
+    if (!prepare(first, range_of(row[0].origin), largest_angle, header, 1)) return 0;
     prepare_triangles();
     return taken;
   }
@@ -53,14 +53,12 @@ class BundleRays : public PacketRays {
   }
 
  private:
-  /// Directions and origins not far from the first one's.
+  /// Origins not far from the first one's.
   HWY_INLINE PacketMask near(const Ray& first, const StructureHeader& header) const {
-    PacketMask good = hn::Eq(t_min, t_min);
-    const float angle = largest_difference * std::fabs(first.direction[dominant_]);
+    PacketMask good = hn::Eq(row[0].t_min, row[0].t_min);
     for (int k = 0; k < 3; ++k) {
       const float distance = largest_distance * (header.bounds_max[k] - header.bounds_min[k]);
-      good = hn::And(good, hn::Le(hn::Abs(hn::Sub(direction[k], splat(first.direction[k]))), splat(angle)));
-      good = hn::And(good, hn::Le(hn::Abs(hn::Sub(origin[k], splat(first.origin[k]))), splat(distance)));
+      good = hn::And(good, hn::Le(hn::Abs(hn::Sub(row[0].origin[k], splat(first.origin[k]))), splat(distance)));
     }
     return good;
   }
@@ -69,15 +67,16 @@ class BundleRays : public PacketRays {
     const PacketFloats d;
     for (uint32_t i = 0; i < 3; ++i) {
       axis_[i] = axis_after(i);
-      hn::Store(origin[axis_[i]], d, ordered_origin_[i]);
+      hn::Store(row[0].origin[axis_[i]], d, ordered_origin_[i]);
     }
-    for (uint32_t i = 0; i < 2; ++i) hn::Store(hn::Div(direction[axis_[i]], direction[dominant_]), d, shear_[i]);
-    const PacketVector length = hn::Abs(direction[dominant_]);
-    sign_ = std::copysign(0.0f, hn::GetLane(direction[dominant_]));
+    for (uint32_t i = 0; i < 2; ++i)
+      hn::Store(hn::Div(row[0].direction[axis_[i]], row[0].direction[dominant_]), d, shear_[i]);
+    const PacketVector length = hn::Abs(row[0].direction[dominant_]);
+    sign_ = std::copysign(0.0f, hn::GetLane(row[0].direction[dominant_]));
     const PacketVector tiny = hn::Mul(splat(DepthInterval::tiny), hn::Add(length, splat(1)));
     const PacketVector less = splat(DepthInterval::less), more = splat(DepthInterval::more);
-    const PacketVector nearest = hn::Mul(t_min, length);
-    const PacketVector farthest = hn::Mul(hn::Min(t_max, splat(std::numeric_limits<float>::max())), length);
+    const PacketVector nearest = hn::Mul(row[0].t_min, length);
+    const PacketVector farthest = hn::Mul(hn::Min(row[0].t_max, splat(std::numeric_limits<float>::max())), length);
     hn::Store(hn::Sub(hn::Mul(nearest, less), tiny), d, outer_near_);
     hn::Store(hn::Add(hn::Mul(nearest, more), tiny), d, inner_near_);
     hn::Store(hn::Add(hn::Mul(farthest, more), tiny), d, outer_far_);

@@ -19,42 +19,48 @@ namespace HWY_NAMESPACE {
 
 #if HWY_TARGET == HWY_AVX2 || HWY_TARGET == HWY_AVX3
 
-/// A packet: some rays of a run of packet_size, and what box tests need beside them. Lanes of other rays repeat the
-/// first one's.
-class PacketRays {
- public:
-  /// t in box space, rounded outward: PreparedRay::near_limit() and far_limit().
-  HWY_INLINE PacketVector near_limit() const {
-    const PacketVector scaled = hn::Mul(t_min, splat(box_scale_));
-    return hn::IfThenElseZero(hn::Ge(scaled, splat(0x1p-126f)), hn::Min(scaled, splat(0x1p120f)));
-  }
-  HWY_INLINE PacketVector far_limit(PacketVector t) const {
-    return hn::Max(hn::Mul(t, splat(box_scale_)), splat(0x1p-126f));
-  }
-
-  PacketVector direction[3], t_min, t_max;
-  PacketVector origin[3];
-  float depth_scale;  ///< takes t in box space to a depth that is not below t |dominant component|
-
-  // Boxes: as in PreparedRay.
-  PacketVector reciprocal[3], near_offset[3], far_offset[3];
-  uint32_t near_row[4];
-
-  // Boxes, for all rays at once: planes are taken relative to the origin, moved outward, and times either end of the
-  // widened range of reciprocals.
-  FloatLanes near_corner[3], far_corner[3], least[3], most[3];
-
- protected:
-  /// Reads the rays and returns the first of the `wanted` ones.
-  HWY_INLINE const Ray& begin(const RayRun& rays, uint32_t wanted) {
-    const Ray& first = rays[static_cast<size_t>(std::countr_zero(wanted))];
-    load_rays(rays);
-    dominant_ = dominant_axis(first.direction);
-    return first;
+/// A vector of rays, and what tests of single boxes need of each. Lanes of rays that are not part of a packet repeat
+/// one that is.
+struct PacketRow {
+  /// From ray `begin` of a group on; its last one stands for those that are not there.
+  HWY_INLINE void load(const RayRun& group, size_t begin) {
+    PacketVector four[4];
+    load_four(group, begin, 0, four);
+    for (int k = 0; k < 3; ++k) origin[k] = four[k];
+    t_min = four[3];
+    load_four(group, begin, 4, four);
+    for (int k = 0; k < 3; ++k) direction[k] = four[k];
+    t_max = four[3];
   }
 
-  /// Rays that may go with the first one, as far as directions tell; neither long nor short ones.
-  HWY_INLINE PacketMask alike(const Ray& first) const { return hn::And(moderate(), same_octant(first.direction)); }
+  /// traceable(), of directions that are neither long nor short. The origin is looked at elsewhere.
+  HWY_INLINE PacketMask moderate(uint32_t dominant_axis) const {
+    PacketMask good = hn::And(hn::Ge(t_min, splat(0)), hn::Le(t_min, t_max));
+    const PacketVector dominant = hn::Abs(direction[dominant_axis]);
+    good = hn::And(good, hn::Ge(dominant, splat(shortest_direction)));
+    good = hn::And(good, hn::Le(dominant, splat(longest_direction)));
+    for (const PacketVector& component : direction) good = hn::And(good, hn::Le(hn::Abs(component), dominant));
+    return good;
+  }
+
+  HWY_INLINE PacketMask same_octant(const float* first) const {
+    const hn::RebindToSigned<PacketFloats> w;
+    PacketVector differences = hn::Xor(direction[0], splat(first[0]));
+    for (int k = 1; k < 3; ++k) differences = hn::Or(differences, hn::Xor(direction[k], splat(first[k])));
+    return hn::Not(hn::RebindMask(PacketFloats(), hn::Lt(hn::BitCast(w, differences), hn::Zero(w))));
+  }
+
+  HWY_INLINE PacketMask within(const Ray& first, float distance) const {
+    PacketMask good = hn::Eq(t_min, t_min);
+    for (int k = 0; k < 3; ++k)
+      good = hn::And(good, hn::Le(hn::Abs(hn::Sub(direction[k], splat(first.direction[k]))), splat(distance)));
+    return good;
+  }
+
+  HWY_INLINE PacketMask same_origin(const Ray& first) const {
+    const auto at = [&](int k) HWY_ATTR { return hn::Eq(origin[k], splat(first.origin[k])); };
+    return hn::And(at(0), hn::And(at(1), at(2)));
+  }
 
   /// Fills the lanes of rays that are not `taken`.
   HWY_INLINE void repeat(const Ray& first, uint32_t taken) {
@@ -66,6 +72,71 @@ class PacketRays {
     }
     t_min = hn::IfThenElse(mask, t_min, splat(first.t_min));
     t_max = hn::IfThenElse(mask, t_max, splat(first.t_max));
+  }
+
+  /// `scale` of directions, `shortest` of their components then; `pad` by axis.
+  HWY_INLINE void prepare_boxes(const float* pad, float scale, float shortest) {
+    for (int k = 0; k < 3; ++k) {
+      const PacketVector component = hn::Abs(hn::Mul(direction[k], splat(scale)));
+      const PacketVector magnitude = hn::Div(splat(1), hn::Max(component, splat(shortest)));
+      reciprocal[k] = hn::CopySign(magnitude, direction[k]);
+      const PacketVector centre = hn::Mul(hn::Neg(origin[k]), reciprocal[k]);
+      near_offset[k] = hn::NegMulAdd(splat(pad[k]), magnitude, centre);
+      far_offset[k] = hn::MulAdd(splat(pad[k]), magnitude, centre);
+    }
+  }
+
+  PacketVector direction[3], t_min, t_max;
+  PacketVector origin[3];
+  PacketVector reciprocal[3], near_offset[3], far_offset[3];  ///< as in PreparedRay
+
+ private:
+  static constexpr float longest_direction = 0x1p60f, shortest_direction = 0x1p-60f;
+};
+
+/// Box tests for all rays at once: planes are taken relative to the origin, moved outward, and times either end of the
+/// widened range of reciprocals.
+struct SharedBoxes {
+  FloatLanes near_corner[3], far_corner[3], least[3], most[3];
+  uint32_t near_row[4];
+};
+
+/// A packet: some rays of a group of up to `size`, and what box tests need beside them. Bit i of a mask is ray i of the
+/// group, which is lane i % packet_size of row i / packet_size.
+template <size_t row_count>
+class PacketRays : public SharedBoxes {
+ public:
+  static constexpr size_t rows = row_count, size = rows * packet_size;
+  static constexpr uint32_t everyone = ~0u >> (32 - size);
+  /// The bits of one row.
+  static HWY_INLINE uint32_t part_of(uint32_t rays, size_t r) { return rays >> (r * packet_size) & all_rays; }
+
+  /// t in box space, rounded outward: PreparedRay::near_limit() and far_limit().
+  HWY_INLINE PacketVector near_limit(size_t r) const {
+    const PacketVector scaled = hn::Mul(row[r].t_min, splat(box_scale_));
+    return hn::IfThenElseZero(hn::Ge(scaled, splat(0x1p-126f)), hn::Min(scaled, splat(0x1p120f)));
+  }
+  HWY_INLINE PacketVector far_limit(PacketVector t) const {
+    return hn::Max(hn::Mul(t, splat(box_scale_)), splat(0x1p-126f));
+  }
+
+  PacketRow row[rows];
+  float depth_scale;  ///< takes t in box space to a depth that is not below t |dominant component|
+
+ protected:
+  /// Reads the rays and returns the first of the `wanted` ones.
+  HWY_INLINE const Ray& begin(const RayRun& rays, uint32_t wanted) {
+    const Ray& first = rays[static_cast<size_t>(std::countr_zero(wanted))];
+    for (size_t r = 0; r < rows; ++r) row[r].load(rays, r * packet_size);
+    dominant_ = dominant_axis(first.direction);
+    return first;
+  }
+
+  /// Rays of a row whose directions are near the first one's, and neither long nor short. `difference`: of components,
+  /// over the first one's dominant one.
+  HWY_INLINE PacketMask alike(size_t r, const Ray& first, float difference) const {
+    const PacketMask near = row[r].within(first, difference * std::fabs(first.direction[dominant_]));
+    return hn::And(near, hn::And(row[r].moderate(dominant_), row[r].same_octant(first.direction)));
   }
 
   /// Makes the box tests ready. `from`: of the origins. False: angles are too large, or coordinates are extreme.
@@ -84,44 +155,29 @@ class PacketRays {
   alignas(16) float middle_[4], widest_[4];  ///< of |components| over the dominant one, by axis
 
  private:
-  HWY_INLINE void load_rays(const RayRun& rays) {
-    PacketVector four[4];
-    load_four(rays, 0, four);
-    for (int k = 0; k < 3; ++k) origin[k] = four[k];
-    t_min = four[3];
-    load_four(rays, 4, four);
-    for (int k = 0; k < 3; ++k) direction[k] = four[k];
-    t_max = four[3];
-  }
-
-  /// traceable(), of directions that are neither long nor short. The origin is looked at elsewhere.
-  HWY_INLINE PacketMask moderate() const {
-    PacketMask good = hn::And(hn::Ge(t_min, splat(0)), hn::Le(t_min, t_max));
-    const PacketVector dominant = hn::Abs(direction[dominant_]);
-    good = hn::And(good, hn::Ge(dominant, splat(shortest_direction)));
-    good = hn::And(good, hn::Le(dominant, splat(longest_direction)));
-    for (const PacketVector& component : direction) good = hn::And(good, hn::Le(hn::Abs(component), dominant));
-    return good;
-  }
-
-  HWY_INLINE PacketMask same_octant(const float* first) const {
-    const hn::RebindToSigned<PacketFloats> w;
-    PacketVector differences = hn::Xor(direction[0], splat(first[0]));
-    for (int k = 1; k < 3; ++k) differences = hn::Or(differences, hn::Xor(direction[k], splat(first[k])));
-    return hn::Not(hn::RebindMask(PacketFloats(), hn::Lt(hn::BitCast(w, differences), hn::Zero(w))));
-  }
-
   static uint32_t dominant_axis(const float* direction) {
     const float x = std::fabs(direction[0]), y = std::fabs(direction[1]), z = std::fabs(direction[2]);
     const uint32_t first = y > x;
     return z > std::max(x, y) ? 2 : first;
   }
 
+  /// Of |components| of directions.
+  HWY_INLINE AxisRange magnitudes() const {
+    PacketVector low[3], high[3];
+    for (int k = 0; k < 3; ++k) {
+      low[k] = high[k] = hn::Abs(row[0].direction[k]);
+      for (size_t r = 1; r < rows; ++r) {
+        low[k] = hn::Min(low[k], hn::Abs(row[r].direction[k]));
+        high[k] = hn::Max(high[k], hn::Abs(row[r].direction[k]));
+      }
+    }
+    return {reduce_axes(low, Least()), reduce_axes(high, Greatest())};
+  }
+
   /// Whether directions lie within a small angle; differences of their lengths are counted as angles.
   HWY_INLINE bool find_angles(float largest_angle) {
     const Axes d;
-    const PacketVector magnitude[3] = {hn::Abs(direction[0]), hn::Abs(direction[1]), hn::Abs(direction[2])};
-    magnitudes_ = range_of(magnitude);
+    magnitudes_ = magnitudes();
     alignas(16) float low[4], high[4];
     hn::Store(magnitudes_.low, d, low);
     hn::Store(magnitudes_.high, d, high);
@@ -151,26 +207,15 @@ class PacketRays {
     depth_scale = most_dominant_ * direction_scale * (1 + 0x1p-18f);
     const auto sizes = hn::Mul(hn::Add(reach, far_from), hn::Set(d, 0x1p-22f));
     const auto pad = hn::Mul(hn::Add(sizes, hn::Set(d, 2 * scale.common_pad)), hn::Set(d, 1 + 0x1p-20f));
-    prepare_each(pad, direction_scale, scale.shortest);
+    alignas(16) float pads[4];
+    hn::Store(pad, d, pads);
+    for (PacketRow& each : row) each.prepare_boxes(pads, direction_scale, scale.shortest);
     prepare_all(first, from, pad, direction_scale, scale.shortest);
     return true;
   }
 
   static HWY_INLINE hn::Vec<Axes> reach_of(hn::Vec<Axes> from, hn::Vec<Axes> low, hn::Vec<Axes> high) {
     return hn::Max(hn::Abs(hn::Sub(high, from)), hn::Abs(hn::Sub(low, from)));
-  }
-
-  HWY_INLINE void prepare_each(hn::Vec<Axes> pads, float scale, float shortest) {
-    alignas(16) float pad[4];
-    hn::Store(pads, Axes(), pad);
-    for (int k = 0; k < 3; ++k) {
-      const PacketVector component = hn::Abs(hn::Mul(direction[k], splat(scale)));
-      const PacketVector magnitude = hn::Div(splat(1), hn::Max(component, splat(shortest)));
-      reciprocal[k] = hn::CopySign(magnitude, direction[k]);
-      const PacketVector centre = hn::Mul(hn::Neg(origin[k]), reciprocal[k]);
-      near_offset[k] = hn::NegMulAdd(splat(pad[k]), magnitude, centre);
-      far_offset[k] = hn::MulAdd(splat(pad[k]), magnitude, centre);
-    }
   }
 
   HWY_INLINE void prepare_all(const Ray& first, const AxisRange& from, hn::Vec<Axes> pad, float scale, float shortest) {
@@ -199,7 +244,6 @@ class PacketRays {
     hn::Store(hn::Add(hn::Load(u, rows), hn::ShiftLeft<3>(hn::ShiftRight<31>(hn::BitCast(u, signs)))), u, near_row);
   }
 
-  static constexpr float longest_direction = 0x1p60f, shortest_direction = 0x1p-60f;
   static constexpr float smallest_scene = 0x1p-60f, largest_scene = 0x1p38f;
 
   float least_dominant_, most_dominant_;
@@ -213,7 +257,7 @@ struct PacketBoxHits {
   uint32_t mask;
 };
 
-HWY_INLINE PacketBoxHits test_boxes(const PacketRays& rays, const Node8& node, FloatLanes t_near, FloatLanes t_far) {
+HWY_INLINE PacketBoxHits test_boxes(const SharedBoxes& rays, const Node8& node, FloatLanes t_near, FloatLanes t_far) {
   const Floats d;
   FloatLanes entry = t_near, exit = t_far;
   const float* const planes = &node.bounds[0][0][0];
@@ -226,14 +270,14 @@ HWY_INLINE PacketBoxHits test_boxes(const PacketRays& rays, const Node8& node, F
   return {entry, mask_bits(hn::Le(entry, exit))};
 }
 
-/// The rays that meet one child's box: test_node() for one box and many rays.
-HWY_INLINE uint32_t test_child(const PacketRays& rays, const Node8& node, int lane, PacketVector t_near,
-                               PacketVector t_far) {
+/// The rays of a row that meet one child's box: test_node() for one box and many rays.
+HWY_INLINE uint32_t test_child(const SharedBoxes& shared, const PacketRow& row, const Node8& node, int lane,
+                               PacketVector t_near, PacketVector t_far) {
   const float* const planes = &node.bounds[0][0][lane];
   PacketVector entry[3], exit[3];
   for (int k = 0; k < 3; ++k) {
-    entry[k] = hn::MulAdd(splat(planes[rays.near_row[k]]), rays.reciprocal[k], rays.near_offset[k]);
-    exit[k] = hn::MulAdd(splat(planes[rays.near_row[k] ^ 8]), rays.reciprocal[k], rays.far_offset[k]);
+    entry[k] = hn::MulAdd(splat(planes[shared.near_row[k]]), row.reciprocal[k], row.near_offset[k]);
+    exit[k] = hn::MulAdd(splat(planes[shared.near_row[k] ^ 8]), row.reciprocal[k], row.far_offset[k]);
   }
   return packet_bits(hn::Le(hn::Max(hn::Max(entry[0], entry[1]), hn::Max(entry[2], t_near)),
                             hn::Min(hn::Min(exit[0], exit[1]), hn::Min(exit[2], t_far))));

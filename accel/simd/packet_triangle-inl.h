@@ -90,18 +90,18 @@ struct PacketMasks {
 };
 
 struct PacketEdges {
-  HWY_INLINE PacketEdges(const PencilRays& rays, const PacketLeaf& leaf, uint32_t lane) {
+  HWY_INLINE PacketEdges(const PencilRays::Frame& frame, const PacketLeaf& leaf, uint32_t lane) {
     for (int i = 0; i < 3; ++i)
-      edge[i] = hn::MulAdd(rays.slope[0], splat(leaf.by_x[i][lane]),
-                           hn::MulAdd(rays.slope[1], splat(leaf.by_y[i][lane]), splat(leaf.constant[i][lane])));
+      edge[i] = hn::MulAdd(frame.slope[0], splat(leaf.by_x[i][lane]),
+                           hn::MulAdd(frame.slope[1], splat(leaf.by_y[i][lane]), splat(leaf.constant[i][lane])));
   }
   PacketVector edge[3];
 };
 
 /// Rays whose rounded t may lie in (t_min, t_far], of those for which the triangle is certainly hit. With
 /// D = E12 z0 + E20 z1 + E01 z2, whose error is below `error`, t |d_z| = D / A.
-HWY_INLINE PacketMask may_be_in_range(const PencilRays& rays, const PacketEdges& edges, const PacketLeaf& leaf,
-                                      uint32_t lane, PacketVector t_far) {
+HWY_INLINE PacketMask may_be_in_range(const PencilRays& rays, size_t r, const PacketEdges& edges,
+                                      const PacketLeaf& leaf, uint32_t lane, PacketVector t_far) {
   const PacketVector signed_area = hn::Add(hn::Add(edges.edge[0], edges.edge[1]), edges.edge[2]);
   PacketVector sum = hn::Mul(edges.edge[0], splat(leaf.opposite[0][lane]));
   for (int i = 1; i < 3; ++i) sum = hn::MulAdd(edges.edge[i], splat(leaf.opposite[i][lane]), sum);
@@ -111,25 +111,25 @@ HWY_INLINE PacketMask may_be_in_range(const PencilRays& rays, const PacketEdges&
   const PacketVector margin = splat(4 * leaf.bound[lane]);
   const PacketVector error =
       hn::MulAdd(splat(leaf.depth[lane]), hn::MulAdd(area, splat(0x1p-21f), margin), splat(0x1p-120f));
-  const PacketVector first = hn::Mul(hn::Mul(rays.t_min, rays.longest), splat(1 - 0x1p-18f));
+  const PacketVector first = hn::Mul(hn::Mul(rays.row[r].t_min, rays.frame[r].longest), splat(1 - 0x1p-18f));
   const PacketVector from = hn::IfThenElseZero(hn::Ge(first, splat(0x1p-60f)), first);
-  const PacketVector to = hn::Max(hn::Mul(hn::Mul(t_far, rays.longest), splat(1 + 0x1p-18f)), splat(0x1p-60f));
+  const PacketVector to = hn::Max(hn::Mul(hn::Mul(t_far, rays.frame[r].longest), splat(1 + 0x1p-18f)), splat(0x1p-60f));
   const PacketMask before = hn::Lt(hn::Add(distance, error), hn::Mul(from, hn::Sub(area, margin)));
   const PacketMask beyond = hn::Gt(hn::Sub(distance, error), hn::Mul(to, hn::Add(area, margin)));
   return hn::Not(hn::Or(before, beyond));
 }
 
-/// One triangle of the leaf.
-HWY_INLINE PacketMasks test_triangle(const PencilRays& rays, const PacketLeaf& leaf, uint32_t lane, uint32_t active,
-                                     PacketVector t_far) {
-  const PacketEdges edges(rays, leaf, lane);
+/// One triangle of the leaf and one row of rays.
+HWY_INLINE PacketMasks test_triangle(const PencilRays& rays, size_t r, const PacketLeaf& leaf, uint32_t lane,
+                                     uint32_t active, PacketVector t_far) {
+  const PacketEdges edges(rays.frame[r], leaf, lane);
   const PacketVector bound = splat(leaf.bound[lane]), below = splat(-leaf.bound[lane]);
   const PacketVector low = hn::Min(hn::Min(edges.edge[0], edges.edge[1]), edges.edge[2]);
   const PacketVector high = hn::Max(hn::Max(edges.edge[0], edges.edge[1]), edges.edge[2]);
   const uint32_t possible = active & ~packet_bits(hn::And(hn::Gt(high, bound), hn::Lt(low, below)));
   if (possible == 0) return {0, 0};
   const uint32_t hit = packet_bits(hn::Or(hn::Gt(low, bound), hn::Lt(high, below)));
-  return {possible & ~hit, possible & hit & packet_bits(may_be_in_range(rays, edges, leaf, lane, t_far))};
+  return {possible & ~hit, possible & hit & packet_bits(may_be_in_range(rays, r, edges, leaf, lane, t_far))};
 }
 
 /// Half a packet in doubles.
@@ -280,11 +280,11 @@ HWY_INLINE uint32_t half_bits(D d, M mask) {
 
 /// The quotients of triangle.cpp, for certain hits.
 template <int half>
-HWY_INLINE HalfHits hit_half(const PencilRays& rays, const PacketTriangle& triangle) {
+HWY_INLINE HalfHits hit_half(const PencilRays& rays, size_t r, const PacketTriangle& triangle) {
   const PacketDoubles d;
   const HalfFloats narrow;
-  const DoubleVector3 direction = promote_half<half>(rays.direction);
-  const DoubleVector longest = promote_half<half>(rays.longest);
+  const DoubleVector3 direction = promote_half<half>(rays.row[r].direction);
+  const DoubleVector longest = promote_half<half>(rays.frame[r].longest);
   const DoubleVector area = dot(triangle.area, direction);
   const DoubleVector u = dot(triangle.u, direction), v = dot(triangle.v, direction);
   const DoubleVector area_part = hn::Mul(hn::Set(d, 8 * double_unit), hn::Abs(area));
@@ -310,20 +310,21 @@ struct PacketHits {
 };
 
 template <int half, class Corners>
-HWY_INLINE HalfHits hit_half(const PencilRays& rays, const Corners& corners) {
-  return hit_half<half>(rays, PacketTriangle(rays, corners.template corner<half>(0), corners.template corner<half>(1),
-                                             corners.template corner<half>(2)));
+HWY_INLINE HalfHits hit_half(const PencilRays& rays, size_t r, const Corners& corners) {
+  return hit_half<half>(rays, r,
+                        PacketTriangle(rays, corners.template corner<half>(0), corners.template corner<half>(1),
+                                       corners.template corner<half>(2)));
 }
 
-/// Hits of the rays `wanted`, which hit triangles of these corners for certain.
+/// Hits of the rays `wanted` of a row, which hit triangles of these corners for certain.
 template <class Corners>
-HWY_INLINE PacketHits hit_triangles(const PencilRays& rays, const Corners& corners, uint32_t wanted) {
+HWY_INLINE PacketHits hit_triangles(const PencilRays& rays, size_t r, const Corners& corners, uint32_t wanted) {
   constexpr uint32_t half_size = packet_size / 2, low_rays = (1u << half_size) - 1;
   const PacketFloats d;
   const HalfVector none = hn::Zero(HalfFloats());
   HalfHits low{none, none, none}, high = low;
-  if (wanted & low_rays) low = hit_half<0>(rays, corners);
-  if (wanted & ~low_rays) high = hit_half<1>(rays, corners);
+  if (wanted & low_rays) low = hit_half<0>(rays, r, corners);
+  if (wanted & ~low_rays) high = hit_half<1>(rays, r, corners);
   return {hn::Combine(d, high.t, low.t), hn::Combine(d, high.u, low.u), hn::Combine(d, high.v, low.v),
           low.known | high.known << half_size, low.front | high.front << half_size};
 }

@@ -49,11 +49,12 @@ HWY_INLINE PacketMask packet_mask(uint32_t rays) {
 
 HWY_INLINE PacketVector splat(float value) { return hn::Set(PacketFloats(), value); }
 
-/// Four floats from `offset` on of the rays first, first + 4, first + 8 ... of a run.
-HWY_INLINE PacketVector every_fourth(const RayRun& rays, size_t first, size_t offset) {
+/// Four floats from `offset` on of the rays begin, begin + 4, begin + 8 ... of a group; past its end, of its last ray.
+HWY_INLINE PacketVector every_fourth(const RayRun& group, size_t begin, size_t offset) {
   const hn::FixedTag<float, 8> pair;
   const auto four = [&](size_t i) HWY_ATTR {
-    return hn::LoadU(Axes(), reinterpret_cast<const float*>(&rays[first + 4 * i]) + offset);
+    const size_t ray = std::min(begin + 4 * i, group.count - 1);
+    return hn::LoadU(Axes(), reinterpret_cast<const float*>(&group[ray]) + offset);
   };
   const auto low = hn::Combine(pair, four(1), four(0));
 #if HWY_TARGET == HWY_AVX3
@@ -63,12 +64,12 @@ HWY_INLINE PacketVector every_fourth(const RayRun& rays, size_t first, size_t of
 #endif
 }
 
-/// The four floats from `offset` on of every ray, one vector each.
-HWY_INLINE void load_four(const RayRun& rays, size_t offset, PacketVector (&out)[4]) {
+/// The four floats from `offset` on of packet_size rays, one vector each.
+HWY_INLINE void load_four(const RayRun& group, size_t begin, size_t offset, PacketVector (&out)[4]) {
   const PacketFloats d;
   const hn::Repartition<double, PacketFloats> wide;
-  const PacketVector a = every_fourth(rays, 0, offset), b = every_fourth(rays, 1, offset);
-  const PacketVector c = every_fourth(rays, 2, offset), e = every_fourth(rays, 3, offset);
+  const PacketVector a = every_fourth(group, begin, offset), b = every_fourth(group, begin + 1, offset);
+  const PacketVector c = every_fourth(group, begin + 2, offset), e = every_fourth(group, begin + 3, offset);
   const auto ab_low = hn::BitCast(wide, hn::InterleaveLower(d, a, b));
   const auto ab_high = hn::BitCast(wide, hn::InterleaveUpper(d, a, b));
   const auto ce_low = hn::BitCast(wide, hn::InterleaveLower(d, c, e));

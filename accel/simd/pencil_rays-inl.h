@@ -18,15 +18,17 @@ namespace HWY_NAMESPACE {
 
 #if HWY_TARGET == HWY_AVX2 || HWY_TARGET == HWY_AVX3
 
-class PencilRays : public PacketRays {
+/// Several rows of rays: a node or a leaf is looked at once for all of them, and what depends on one another within a
+/// row overlaps with the other's.
+class PencilRays : public PacketRays<32 / packet_size> {
  public:
   /// Takes on the first of the `wanted` rays and those that go with it; returns them. 0: too few of them do, or they
   /// have extreme coordinates; nothing else may be asked then.
   HWY_INLINE uint32_t load(const RayRun& rays, uint32_t wanted, const StructureHeader& header, float pad_scale) {
     const Ray& first = begin(rays, wanted);
-    const uint32_t taken = wanted & packet_bits(hn::And(alike(first), same_origin(first)));
+    const uint32_t taken = wanted & alike(first);
     if (std::popcount(taken) < fewest || (taken & (wanted & -wanted)) == 0) return 0;
-    repeat(first, taken);
+    for (size_t r = 0; r < rows; ++r) row[r].repeat(first, part_of(taken, r));
     const auto from = load_axes(first.origin);
     if (!prepare(first, {from, from}, largest_angle, header, pad_scale)) return 0;
     prepare_triangles(first);
@@ -37,15 +39,20 @@ class PencilRays : public PacketRays {
 
   // The frame of a ray in the middle, in which directions are (slope[0], slope[1], 1) times their dominant component.
   TriangleLanes middle;
-  PacketVector slope[2];
   FloatLanes widest[2];  ///< not below any |slope|
-  PacketVector longest;  ///< magnitude of the dominant component
-  float sign;            ///< of that component: 0 or -0
+  float sign;            ///< of the dominant component: 0 or -0
+  struct Frame {
+    PacketVector slope[2];
+    PacketVector longest;  ///< magnitude of the dominant component
+  } frame[rows];
 
  private:
-  HWY_INLINE PacketMask same_origin(const Ray& first) const {
-    const auto at = [&](int k) { return hn::Eq(origin[k], splat(first.origin[k])); };
-    return hn::And(at(0), hn::And(at(1), at(2)));
+  HWY_INLINE uint32_t alike(const Ray& first) const {
+    uint32_t rays = 0;
+    for (size_t r = 0; r < rows; ++r)
+      rays |= packet_bits(hn::And(PacketRays::alike(r, first, largest_angle / 2), row[r].same_origin(first)))
+              << (r * packet_size);
+    return rays;
   }
 
   HWY_INLINE void prepare_triangles(const Ray& first) {
@@ -55,20 +62,21 @@ class PencilRays : public PacketRays {
       middle.axis[i] = axis_after(i);
       middle.origin[i] = hn::Set(d, first.origin[middle.axis[i]]);
     }
-    longest = hn::Abs(direction[dominant_]);
+    for (size_t r = 0; r < rows; ++r) frame[r].longest = hn::Abs(row[r].direction[dominant_]);
     sign = std::copysign(0.0f, first.direction[dominant_]);
     for (int i = 0; i < 2; ++i) {
       const uint32_t k = middle.axis[i];
       const bool negative = std::signbit(first.direction[k]) != std::signbit(sign);
       const float shear = negative ? -middle_[k] : middle_[k];
       middle.shear[i] = hn::Set(d, shear);
-      slope[i] = hn::Sub(hn::Div(direction[k], direction[dominant_]), splat(shear));
+      for (size_t r = 0; r < rows; ++r)
+        frame[r].slope[i] = hn::Sub(hn::Div(row[r].direction[k], row[r].direction[dominant_]), splat(shear));
       widest[i] = hn::Set(d, widest_[k]);
     }
   }
 
   static constexpr int fewest = packet_size / 4;
-  static constexpr float largest_angle = 0x1p-3f;
+  static constexpr float largest_angle = 0.25f;
 };
 
 #endif  // HWY_TARGET

@@ -63,11 +63,11 @@ void probe(const PacketQuestion& question, BundleProbe& out) {
   BundleRays rays;
   out.taken = rays.load(run, all_rays, question.header);
   if (out.taken == 0) return;
-  const PacketVector near = rays.near_limit(), far = rays.far_limit(rays.t_max);
+  const PacketVector near = rays.near_limit(0), far = rays.far_limit(rays.row[0].t_max);
   const float first_near = hn::GetLane(hn::MinOfLanes(PacketFloats(), near));
   const float last_far = hn::GetLane(hn::MaxOfLanes(PacketFloats(), far));
   out.boxes = test_boxes(rays, question.node, hn::Set(Floats(), first_near), hn::Set(Floats(), last_far)).mask;
-  for (int lane = 0; lane < 8; ++lane) out.inside[lane] = test_child(rays, question.node, lane, near, far);
+  for (int lane = 0; lane < 8; ++lane) out.inside[lane] = test_child(rays, rays.row[0], question.node, lane, near, far);
   const LeafTriangles triangles = load_triangles(question.leaf, rays.axes());
   for (uint32_t left = out.taken; left != 0; left &= left - 1) {
     const auto ray = static_cast<uint32_t>(std::countr_zero(left));

@@ -30,8 +30,8 @@ inline Point main_direction(Random& random) {
 
 inline void aim(Random& random, float scale, float apart, PacketCase& out) {
   const float length = std::ldexp(1.0f, static_cast<int>(random.below(60)) - 30);
-  const float spreads[] = {0, 1e-7f, 1e-4f, 0.01f, 0.05f};
-  const float spread = spreads[random.below(5)], distance = random.chance(3) ? 1e3f : 1;
+  const float spreads[] = {0, 1e-7f, 1e-4f, 0.01f, 0.05f, 0.12f};
+  const float spread = spreads[random.below(6)], distance = random.chance(3) ? 1e3f : 1;
   const Point middle = main_direction(random);
   float origin[3];
   for (float& x : origin) x = random.uniform(-1, 1) * scale * distance;

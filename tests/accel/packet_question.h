@@ -7,7 +7,7 @@
 
 namespace rayloom::accel::test {
 
-inline constexpr uint32_t most_packet_rays = 16;
+inline constexpr uint32_t most_packet_rays = 32;
 
 struct PacketQuestion {
   const Ray* rays;

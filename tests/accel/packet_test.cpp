@@ -275,6 +275,23 @@ TEST_CASE("groups that go together among rays that do not") {
   CHECK(outcomes.in_packets < rays.size() * 19 / 20);
 }
 
+TEST_CASE("the last packet of a batch may be a part of one") {
+  const Block block = build_mesh(bumpy_sphere(3));
+  const auto rays = camera({0.3f, 0.2f, 4}, {0, 0, 0}, 1.0f, 64);
+  for (size_t count = 16; count < 80; ++count) {
+    const Outcomes outcomes = compare(block, std::vector<Ray>(rays.begin() + 1000, rays.begin() + 1000 + count));
+    CHECK(outcomes.in_packets + 8 > count);
+  }
+}
+
+TEST_CASE("wide packets take those that lie near their first ray, and the next one takes the others") {
+  const Block block = build_mesh(bumpy_sphere(4));
+  const auto rays = camera({0.3f, 0.2f, 4}, {0, 0, 0}, 1.1f, 16);
+  const Outcomes outcomes = compare(block, rays);
+  CHECK(outcomes.in_packets > rays.size() / 2);
+  CHECK(outcomes.hits > rays.size() / 10);
+}
+
 /// Turned about an axis that no coordinate axis is near, scaled and moved.
 Transform3x4 placed(float scale, const Point& at, float turn) {
   const float c = std::cos(turn), s = std::sin(turn);
