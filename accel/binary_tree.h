@@ -2,6 +2,7 @@
 
 // The one intermediate every builder produces and every node format is made from.
 
+#include <rayloom/accel/float4.h>
 #include <rayloom/accel/primitive_ref.h>
 
 #include <span>
@@ -16,6 +17,16 @@ struct BinaryNode {
 
   bool is_leaf() const { return right == 0; }
 };
+
+/// Stores a node in vectors, of which each overwrites what the one before had too much.
+inline void store(const Box4& box, uint32_t first, uint32_t count, uint32_t right, BinaryNode& node) {
+  auto* const bytes = reinterpret_cast<std::byte*>(&node);
+  std::memcpy(bytes, &box.min, sizeof(box.min));
+  std::memcpy(bytes + offsetof(BinaryNode, box.max), &box.max, sizeof(box.max));
+  node.first = first;
+  node.count = count;
+  node.right = right;
+}
 
 /// Slot 0 is the root. Slots are numbered by position, so some stay unused (count 0).
 using BinaryTree = ScratchVector<BinaryNode>;

@@ -117,7 +117,7 @@ uint64_t build_in_parts(std::span<const TriangleGeometry> geometries, const Buil
   }
   TreeInput input = tree_input(header.kind, header.primitive_count, settings);
   input.triangles = geometries;
-  build_in_parts(input, header, result.data());
+  build_in_parts(input, header, result);
   std::memcpy(result.data(), &header, sizeof(header));
   return header.bytes;
 }

@@ -23,7 +23,7 @@ void complete_bottom_level(std::byte* block) {
   void* aligned = built.data();
   size_t space = built.size();
   auto* const place = static_cast<std::byte*>(std::align(granule_bytes, most, aligned, space));
-  build_in_parts(input.order(), input.tree_input(), header, place);
+  build_in_parts(input.order(), input.tree_input(), header, {place, most});
   std::memcpy(place, &header, sizeof(header));
   std::memcpy(block, place, header.bytes);
 }

@@ -8,17 +8,22 @@ class CurveTree {
  public:
   CurveTree(const CurveInput& input, BinaryTree& tree) : input_(input), tree_(tree) {}
 
-  void build(const Subtree& subtree) {
+  /// Returns the box of all, which read from the node just stored would have to wait for it.
+  Box4 build(const Subtree& subtree) {
     const auto& [refs, keys, curve, leaf_size, binned_size, scratch, sorts] = input_;
-    if (subtree.count <= binned_size) return build_binary_subtree(refs, scratch, leaf_size, subtree, tree_);
+    if (subtree.count <= binned_size) {
+      build_binary_subtree(refs, scratch, leaf_size, subtree, tree_);
+      return box4(tree_[subtree.slot].box);
+    }
     if (subtree.count <= max_sweep) return build_sequence(refs, leaf_size, subtree, tree_, sorts);
     const auto code_of = [&](uint32_t i) { return input_.curve.code(input_.refs[subtree.first + i]); };
     const uint32_t cut = curve_cut(keys.subspan(subtree.first, subtree.count), subtree, leaf_size, code_of);
     const auto [left, right] = halves_of(subtree, cut, leaf_size);
-    build_halves(left, right, [this](const Subtree& half) { build(half); });
-    BinaryNode& node = tree_[subtree.slot];
-    node = {tree_[left.slot].box, subtree.first, subtree.count, right.slot};
-    node.box.extend(tree_[right.slot].box);
+    Box4 box, other;
+    build_halves(left, right, [&](const Subtree& half) { (half.slot == left.slot ? box : other) = build(half); });
+    box.extend(other);
+    store(box, subtree.first, subtree.count, right.slot, tree_[subtree.slot]);
+    return box;
   }
 
  private:

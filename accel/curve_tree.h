@@ -18,12 +18,13 @@ template <class CodeOf>
 uint32_t change_of(uint32_t count, const CodeOf& code_of) {
   const auto bit = std::bit_floor(code_of(0) ^ code_of(count - 1));
   if (bit == 0) return 0;
-  uint32_t first = 0, last = count - 1;  // a 0 at first, a 1 at last
-  while (first + 1 < last) {
-    const uint32_t middle = first + (last - first) / 2;
-    ((code_of(middle) & bit) == 0 ? first : last) = middle;
+  uint32_t first = 0;  // a 0; without branches, which nobody could predict
+  for (uint32_t left = count; left > 1;) {
+    const uint32_t half = left / 2;
+    first += (code_of(first + half) & bit) == 0 ? half : 0;
+    left -= half;
   }
-  return last;
+  return first + 1;
 }
 
 /// `cut`, or the multiple of the leaf size next to it when the budget has no block to spare.

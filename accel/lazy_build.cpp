@@ -85,10 +85,9 @@ class LazyBuild {
     const BinaryTree tree = tree_above(refs);
     WideBytes wide;
     wide.start(block_, granule(layout_.nodes));
-    LooseWide root = wide.add_below(tree, Collapse(tree), 0, [&](uint32_t slot) {
-      LooseWide stub;
-      stub.push(tree[slot].box, granule(part_place(refs[tree[slot].first].primitive)) | node_ref::leaf_bit);
-      return stub;
+    LooseWide root = wide.add_below(tree, Collapse(tree), 0, [&](uint32_t slot, LooseWide& node, uint32_t) {
+      node.push(tree[slot].box, granule(part_place(refs[tree[slot].first].primitive)) | node_ref::leaf_bit);
+      return 1u;
     });
     header.lazy_root = wide.add_node(root);
     header.first_part = granule(layout_.parts);

@@ -30,10 +30,11 @@ class Rearranged {
     const LooseNode& node = nodes_[slot];
     if (nodes_.is_final_leaf(node) || !fits(node, subtree)) {
       gather(slot, subtree.first);
-      return build_sequence(built_.refs, leaf_size_, subtree, built_.tree);
+      build_sequence(built_.refs, leaf_size_, subtree, built_.tree);
+      return;
     }
     const auto [left, right] = halves_of(subtree, nodes_[node.left].count, leaf_size_);
-    built_.tree[subtree.slot] = {node.box.box(), subtree.first, subtree.count, right.slot};
+    store(node.box, subtree.first, subtree.count, right.slot, built_.tree[subtree.slot]);
     build_halves(left, right, [&, this, first = left.first](const Subtree& half) {
       emit(half.first == first ? node.left : node.right, half);
     });

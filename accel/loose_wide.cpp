@@ -1,9 +1,43 @@
+#include <rayloom/accel/float4.h>
 #include <rayloom/accel/loose_wide.h>
 
 #include <algorithm>
+#include <bit>
 #include <cstring>
 
 namespace rayloom::accel {
+namespace {
+
+constexpr LooseWide::Child no_child{{}, 0, 0};
+
+/// Where children go: inner ones first, then leaves, by rising area. Each is compared with all before it, without
+/// branches, which nobody could predict.
+std::array<uint32_t, node_width> lanes_of(const LooseWide& node) {
+  std::array<uint64_t, node_width> key;
+  std::array<uint32_t, node_width> lane{};
+  for (uint32_t i = 0; i < node_width; ++i) {
+    const LooseWide::Child& child = i < node.count ? node.child[i] : no_child;
+    const uint64_t leaf = child.ref >> 31;
+    static_assert(node_ref::leaf_bit == 1u << 31);
+    key[i] = i < node.count ? std::bit_cast<uint64_t>(child.area) | leaf << 63 : ~uint64_t{0};
+    for (uint32_t k = 0; k < i; ++k) {
+      const bool after = key[k] <= key[i];
+      lane[i] += after;
+      lane[k] += !after;
+    }
+  }
+  return lane;
+}
+
+void write_child(const LooseWide::Child& child, uint32_t lane, Node8& out) {
+  for (int axis = 0; axis < 3; ++axis) {
+    out.bounds[axis][0][lane] = child.box.min[axis];
+    out.bounds[axis][1][lane] = child.box.max[axis];
+  }
+  out.child[lane] = child.ref;
+}
+
+}  // namespace
 
 void WideBytes::start(std::byte* block, uint32_t granule) {
   block_ = block;
@@ -20,36 +54,29 @@ uint32_t WideBytes::add_leaf(uint64_t bytes) {
   return ref;
 }
 
-void WideBytes::absorb(const LooseWide& from, LooseWide& into) {
-  std::copy_n(from.child.begin(), from.count, into.child.begin() + into.count);
-  into.count += from.count;
-  into.depth = std::max(into.depth, from.depth);
+uint32_t WideBytes::join(const Box& box, const LooseWide& below, LooseWide& node, uint32_t room) {
+  if (below.count > room) {
+    node.depth = std::max(node.depth, below.depth + 1);
+    node.push(box, add_node(below));
+    return 1;
+  }
+  std::copy_n(below.child.begin(), below.count, node.child.begin() + node.count);
+  node.count += below.count;
+  node.depth = std::max(node.depth, below.depth);
+  return below.count;
 }
 
 uint32_t WideBytes::add_node(const LooseWide& node) {
-  std::array<uint8_t, node_width> order;
-  const auto before = [&](uint8_t a, uint8_t b) {
-    const LooseWide::Child &x = node.child[a], &y = node.child[b];
-    return node_ref::is_leaf(x.ref) != node_ref::is_leaf(y.ref) ? node_ref::is_leaf(y.ref) : x.area < y.area;
-  };
-  for (uint8_t i = 0; i < node.count; ++i) {
-    uint8_t place = i;
-    for (; place > 0 && before(i, order[place - 1]); --place) order[place] = order[place - 1];
-    order[place] = i;
-  }
+  const auto lane = lanes_of(node);
   auto& out = *reinterpret_cast<Node8*>(next());
-  Box whole;
-  for (uint32_t lane = 0; lane < node_width; ++lane) {
-    const LooseWide::Child child = lane < node.count ? node.child[order[lane]] : LooseWide::Child{{}, 0, 0};
-    for (int axis = 0; axis < 3; ++axis) {
-      out.bounds[axis][0][lane] = child.box.min[axis];
-      out.bounds[axis][1][lane] = child.box.max[axis];
-    }
-    out.child[lane] = child.ref;
-    whole.extend(child.box);
+  Box4 whole;
+  for (uint32_t i = 0; i < node_width; ++i) {
+    const LooseWide::Child& child = i < node.count ? node.child[i] : no_child;
+    write_child(child, lane[i], out);
+    whole.extend(box4(child.box));
     if (node_ref::is_leaf(child.ref)) area_ += child.area;
   }
-  area_ += whole.half_area();
+  area_ += whole.box().half_area();
   nodes_.push_back(granule_);
   granule_ += sizeof(Node8) / granule_bytes;
   return nodes_.back();

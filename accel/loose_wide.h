@@ -21,7 +21,13 @@ struct LooseWide {
   uint32_t depth = 0;  ///< nodes on the longest path below
   std::array<Child, node_width> child;
 
-  void push(const Box& box, uint32_t ref) { child[count++] = {box, box.half_area(), ref}; }
+  /// Member by member: a child put together elsewhere would be copied by loads that wait for all earlier stores.
+  void push(const Box& box, uint32_t ref) {
+    Child& next = child[count++];
+    next.box = box;
+    next.area = box.half_area();
+    next.ref = ref;
+  }
 };
 
 /// Bytes of nodes and leaves one after another, and sums over them.
@@ -38,24 +44,26 @@ class WideBytes {
   /// first. Returns its reference.
   uint32_t add_node(const LooseWide& node);
 
-  /// The wide tree over the part of `tree` below `slot`, all but its root written. `leaf(slot)` gives a binary leaf as
-  /// a LooseWide of one child, or of several if a wide tree ends there. No child that fits into its parent is left
-  /// standing: node_bound() in sizes.h counts on that.
+  /// Adds `below` to `node`: its children if there is room for them, else as a node. Returns how many children that is.
+  uint32_t join(const Box& box, const LooseWide& below, LooseWide& node, uint32_t room);
+
+  /// The wide tree over the part of `tree` below `slot`, all but its root written. `leaf(slot, node, room)` adds a
+  /// binary leaf to `node` as one child, or as several, up to `room`, if a wide tree ends there; it returns how many.
+  /// No child that fits into its parent is left standing: node_bound() in sizes.h counts on that.
   template <class Leaf>
   LooseWide add_below(const BinaryTree& tree, const Collapse& collapse, uint32_t slot, const Leaf& leaf) {
-    if (tree[slot].is_leaf()) return leaf(slot);
-    const ChildList list = collapse.planned(slot);
     LooseWide node;
-    uint32_t count = list.count;
+    if (tree[slot].is_leaf()) {
+      leaf(slot, node, node_width);
+      return node;
+    }
+    const ChildList list = collapse.planned(slot);
+    uint32_t room = node_width - list.count;
     for (uint32_t i = 0; i < list.count; ++i) {
-      const LooseWide below = add_below(tree, collapse, list.slot[i], leaf);
-      if (count - 1 + below.count <= node_width) {
-        count += below.count - 1;
-        absorb(below, node);
-      } else {
-        node.depth = std::max(node.depth, below.depth + 1);
-        node.push(tree[list.slot[i]].box, add_node(below));
-      }
+      const uint32_t child = list.slot[i];
+      const BinaryNode& binary = tree[child];
+      room += 1 - (binary.is_leaf() ? leaf(child, node, room + 1)
+                                    : join(binary.box, add_below(tree, collapse, child, leaf), node, room + 1));
     }
     return node;
   }
@@ -67,8 +75,6 @@ class WideBytes {
   const std::vector<uint32_t>& nodes() const { return nodes_; }
 
  private:
-  static void absorb(const LooseWide& from, LooseWide& into);
-
   std::byte* block_ = nullptr;
   uint32_t granule_ = 0, leaf_count_ = 0;
   double area_ = 0;  ///< summed over nodes and leaves

@@ -33,7 +33,8 @@ uint32_t PartBuilder::build_alone(const Subtree& part) {
   wide_.start(bytes_.data(), 0);
   pieces_.clear();
   const LooseWide root =
-      wide_.add_below(built_.tree, Collapse(built_.tree), 0, [this](uint32_t leaf) { return write_leaf(leaf); });
+      wide_.add_below(built_.tree, Collapse(built_.tree), 0,
+                      [this](uint32_t leaf, LooseWide& node, uint32_t) { return write_leaf(leaf, node); });
   return root.count == 1 ? root.child[0].ref : wide_.add_node(root);
 }
 
@@ -81,18 +82,19 @@ void PartBuilder::write_pieces() {
   for (uint32_t i = 0; i < list.count; ++i) {
     const uint32_t slot = list.slot[i];
     pieces_.push_back(
-        {tree[slot].box, wide_.add_below(tree, collapse, slot, [this](uint32_t leaf) { return write_leaf(leaf); })});
+        {tree[slot].box, wide_.add_below(tree, collapse, slot, [this](uint32_t leaf, LooseWide& node, uint32_t) {
+           return write_leaf(leaf, node);
+         })});
   }
 }
 
-LooseWide PartBuilder::write_leaf(uint32_t slot) {
+uint32_t PartBuilder::write_leaf(uint32_t slot, LooseWide& wide) {
   const BinaryNode& node = built_.tree[slot];
   const auto refs = std::span(built_.refs).subspan(node.first, node.count);
   const uint64_t bytes =
       has_rows_ ? leaves_.write_of_rows(rows(), node.first, refs, wide_.next()) : leaves_.write(refs, wide_.next());
-  LooseWide one;
-  one.push(node.box, wide_.add_leaf(bytes));
-  return one;
+  wide.push(node.box, wide_.add_leaf(bytes));
+  return 1;
 }
 
 Pieces PartBuilder::move_to(std::byte* block, uint32_t granule) const {

@@ -48,7 +48,7 @@ class PartBuilder {
   void reserve(const Subtree& part);
   void build_tree(const Subtree& part);
   void write_pieces();
-  LooseWide write_leaf(uint32_t slot);
+  uint32_t write_leaf(uint32_t slot, LooseWide& node);
   /// Whether leaves are made of rows, if the triangles can be had as such: where their order stays that of the curve.
   bool wants_rows() const;
   TriangleRows rows();

@@ -52,15 +52,16 @@ class SequenceBuilder {
 
   void build(const Subtree& subtree, const Box4& box) {
     const auto range = range_of(subtree);
-    tree_[subtree.slot] = {box.box(), subtree.first, subtree.count, 0};
+    BinaryNode& node = tree_[subtree.slot];
     if (subtree.count <= leaf_size_) {
+      store(box, subtree.first, subtree.count, 0, node);
       if (sorts_) sort_leaf(range);
       return;
     }
     const bool choice = subtree.count <= max_sweep && subtree.depth < max_choice_depth;
     const SequenceCut cut = choice ? cheapest_cut(range, box, leaf_size_, subtree.budget) : middle(subtree);
     const auto [left, right] = halves_of(subtree, static_cast<uint32_t>(cut.left_count), leaf_size_);
-    tree_[subtree.slot].right = right.slot;
+    store(box, subtree.first, subtree.count, right.slot, node);
     build(left, cut.left);
     build(right, cut.right);
   }
@@ -86,10 +87,12 @@ uint32_t middle_cut(const Subtree& subtree, uint32_t leaf_size) {
   return static_cast<uint32_t>(blocks_for(subtree.count, leaf_size) / 2 * leaf_size);
 }
 
-void build_sequence(std::span<PrimitiveRef> refs, uint32_t leaf_size, const Subtree& subtree, BinaryTree& tree,
+Box4 build_sequence(std::span<PrimitiveRef> refs, uint32_t leaf_size, const Subtree& subtree, BinaryTree& tree,
                     bool sorts) {
   SequenceBuilder builder(refs, leaf_size, tree, sorts);
-  builder.build(subtree, box_of(builder.range_of(subtree)));
+  const Box4 box = box_of(builder.range_of(subtree));
+  builder.build(subtree, box);
+  return box;
 }
 
 }  // namespace rayloom::accel

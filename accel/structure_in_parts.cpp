@@ -1,4 +1,4 @@
-#include <rayloom/accel/part_builder.h>
+#include <rayloom/accel/parts_in_order.h>
 #include <rayloom/accel/piece_tree.h>
 #include <rayloom/accel/structure_in_parts.h>
 
@@ -8,12 +8,6 @@ namespace rayloom::accel {
 namespace {
 
 constexpr uint32_t header_granules = sizeof(StructureHeader) / granule_bytes;
-
-/// A part and what is known of it once it is built.
-struct Part {
-  Subtree where;
-  Pieces pieces;
-};
 
 /// Where the curve is cut, budget and depth shared out on the way.
 class PartCutter {
@@ -48,7 +42,8 @@ std::vector<const Piece*> pieces_of(const std::vector<Part>& parts) {
 
 class StructureInParts {
  public:
-  StructureInParts(const TriangleCurve& order, const TreeInput& input, StructureHeader& header, std::byte* block)
+  StructureInParts(const TriangleCurve& order, const TreeInput& input, StructureHeader& header,
+                   std::span<std::byte> block)
       : order_(order), input_(input), header_(header), block_(block), parts_(PartCutter(order, input).take()) {
     build_parts();
     join_parts();
@@ -57,60 +52,44 @@ class StructureInParts {
  private:
   void build_parts() {
     if (thread_limit() == 1) return build_in_turn();
-    const std::span<Part> parts(parts_);
-    std::vector<PartBuilder> builders(std::min(4 * size_t{thread_limit()}, parts.size()), PartBuilder(order_, input_));
-    for (size_t first = 0; first < parts.size(); first += builders.size())
-      build_together(builders, parts.subspan(first, std::min(builders.size(), parts.size() - first)));
+    const PartsInOrder built(order_, input_, parts_, block_, granule_);
+    granule_ = built.granule();
+    sums_ = built.sums();
   }
 
   void build_in_turn() {
     PartBuilder builder(order_, input_);
     for (Part& part : parts_) {
-      builder.build_in_place(part.where, block_, granule_);
+      builder.build_in_place(part.where, block_.data(), granule_);
       part.pieces = builder.take_pieces();
       granule_ = builder.wide().granule();
-      add_sums(builder.wide());
+      sums_.add(builder.wide());
     }
-  }
-
-  /// Where a part goes follows from the bytes of all before.
-  void build_together(std::span<PartBuilder> builders, std::span<Part> parts) {
-    parallel_for(parts.size(), 1, [&](uint64_t i, uint64_t) { builders[i].build(parts[i].where); });
-    std::vector<uint32_t> place(parts.size());
-    for (size_t i = 0; i < parts.size(); ++i) {
-      place[i] = granule_;
-      granule_ += builders[i].wide().granule();
-      add_sums(builders[i].wide());
-    }
-    parallel_for(parts.size(), 1,
-                 [&](uint64_t i, uint64_t) { parts[i].pieces = builders[i].move_to(block_, place[i]); });
-  }
-
-  void add_sums(const WideBytes& wide) {
-    header_.node_count += static_cast<uint32_t>(wide.nodes().size());
-    header_.leaf_count += wide.leaf_count();
-    area_ += wide.area();
   }
 
   void join_parts() {
     const PieceTree top(pieces_of(parts_), part_recipe(input_.builder).reinserts_top);
     const BinaryTree& tree = top.tree();
     WideBytes wide;
-    wide.start(block_, granule_);
-    const LooseWide root = wide.add_below(tree, Collapse(tree), 0, [&](uint32_t slot) { return top.piece(slot).wide; });
+    wide.start(block_.data(), granule_);
+    const LooseWide root = wide.add_below(tree, Collapse(tree), 0, [&](uint32_t slot, LooseWide& node, uint32_t room) {
+      return wide.join(tree[slot].box, top.piece(slot).wide, node, room);
+    });
     header_.root = wide.add_node(root);
     header_.depth = root.depth + 1;
     const uint64_t used = uint64_t{wide.granule()} * granule_bytes;
-    std::memset(block_ + used, 0, TriangleLeaf::overread_bytes);
+    std::memset(block_.data() + used, 0, TriangleLeaf::overread_bytes);
     header_.bytes = used + TriangleLeaf::overread_bytes;
-    add_sums(wide);
+    sums_.add(wide);
+    header_.node_count = sums_.node_count;
+    header_.leaf_count = sums_.leaf_count;
     describe(tree[0].box);
   }
 
   void describe(const Box& box) {
     const double area = box.half_area();
     header_.active_count = order_.keys().size();
-    header_.sah_cost = area > 0 ? area_ / area : static_cast<double>(header_.node_count + header_.leaf_count);
+    header_.sah_cost = area > 0 ? sums_.area / area : static_cast<double>(header_.node_count + header_.leaf_count);
     std::copy_n(box.min, 3, header_.bounds_min);
     std::copy_n(box.max, 3, header_.bounds_max);
   }
@@ -118,20 +97,21 @@ class StructureInParts {
   const TriangleCurve& order_;
   const TreeInput& input_;
   StructureHeader& header_;
-  std::byte* block_;
+  std::span<std::byte> block_;
   std::vector<Part> parts_;
   uint32_t granule_ = header_granules;
-  double area_ = 0;  ///< summed over nodes and leaves
+  PartSums sums_;
 };
 
 }  // namespace
 
-void build_in_parts(const TreeInput& input, StructureHeader& header, std::byte* block) {
+void build_in_parts(const TreeInput& input, StructureHeader& header, std::span<std::byte> block) {
   const TriangleCurve order(input.triangles, input.build_flags & build_flag::allow_update);
   if (!order.keys().empty()) build_in_parts(order, input, header, block);
 }
 
-void build_in_parts(const TriangleCurve& order, const TreeInput& input, StructureHeader& header, std::byte* block) {
+void build_in_parts(const TriangleCurve& order, const TreeInput& input, StructureHeader& header,
+                    std::span<std::byte> block) {
   StructureInParts(order, input, header, block);
 }
 

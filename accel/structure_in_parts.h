@@ -21,8 +21,9 @@ inline constexpr bool builds_in_parts(Builder builder) {
 
 /// Writes all of a structure but its header, which must name kind and counts and gets the rest; input.triangles are
 /// what is built. Throws InputError for an index out of range.
-void build_in_parts(const TreeInput& input, StructureHeader& header, std::byte* block);
+void build_in_parts(const TreeInput& input, StructureHeader& header, std::span<std::byte> block);
 /// The same for triangles in their order, at least one.
-void build_in_parts(const TriangleCurve& order, const TreeInput& input, StructureHeader& header, std::byte* block);
+void build_in_parts(const TriangleCurve& order, const TreeInput& input, StructureHeader& header,
+                    std::span<std::byte> block);
 
 }  // namespace rayloom::accel
