@@ -1,4 +1,5 @@
 #include <rayloom/accel/radix_sort.h>
+#include <rayloom/accel/read_ahead.h>
 #include <rayloom/base/parallel.h>
 
 #include <algorithm>
@@ -36,7 +37,10 @@ class Distribution {
     for_each_block([this](Counts& counts, std::span<const MortonKey> keys) { count(keys, counts); });
     to_positions();
     for_each_block([this](Counts& next, std::span<const MortonKey> keys) {
-      for (const MortonKey& key : keys) to_[next[digit<shared_bits>(key, shift_)]++] = key;
+      for (const MortonKey& key : keys) {
+        read_ahead(&key);
+        to_[next[digit<shared_bits>(key, shift_)]++] = key;
+      }
     });
   }
 
@@ -55,8 +59,10 @@ class Distribution {
   void count(std::span<const MortonKey> keys, Counts& counts) const {
     std::array<Counts, 4> parts{};
     size_t i = 0;
-    for (; i + parts.size() <= keys.size(); i += parts.size())
+    for (; i + parts.size() <= keys.size(); i += parts.size()) {
+      read_ahead(&keys[i]);
       for (size_t k = 0; k < parts.size(); ++k) ++parts[k][digit<shared_bits>(keys[i + k], shift_)];
+    }
     for (; i < keys.size(); ++i) ++parts[0][digit<shared_bits>(keys[i], shift_)];
     for (size_t bucket = 0; bucket < shared_buckets; ++bucket)
       counts[bucket] = parts[0][bucket] + parts[1][bucket] + parts[2][bucket] + parts[3][bucket];
@@ -99,8 +105,10 @@ template <int passes, int bits>
 void sort_locally(std::span<MortonKey> keys, MortonKey* spare) {
   if (keys.size() < insertion_size) return insert_all(keys);
   std::array<std::array<uint32_t, size_t{1} << bits>, passes> counts{};
-  for (const MortonKey& key : keys)
+  for (const MortonKey& key : keys) {
+    read_ahead(&key);
     for (int pass = 0; pass < passes; ++pass) ++counts[pass][digit<bits>(key, pass * bits)];
+  }
   std::span<const MortonKey> from = keys;
   MortonKey* to = spare;
   for (int pass = 0; pass < passes; ++pass) {

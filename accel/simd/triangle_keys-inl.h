@@ -168,6 +168,7 @@ Box vertex_bounds(const std::byte* vertices, size_t count) {
   Box others;
   const auto* const floats = reinterpret_cast<const float*>(vertices);
   for (size_t first = 0; first < count; first += triangle_lanes) {
+    read_ahead_96(floats + 3 * first);
     if (first + triangle_lanes <= count && bounds.add_eight(floats + 3 * first)) continue;
     for (size_t i = first; i < std::min<size_t>(count, first + triangle_lanes); ++i) {
       float point[3];

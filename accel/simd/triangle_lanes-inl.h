@@ -11,6 +11,7 @@
 // clang-format on
 
 #include <rayloom/accel/build_input.h>
+#include <rayloom/accel/read_ahead.h>
 
 #include <hwy/highway.h>
 
@@ -31,6 +32,13 @@ using FloatLanes = hn::Vec<Floats>;
 using WordLanes = hn::Vec<Words>;
 using LaneMask = hn::Mask<Floats>;
 inline constexpr uint32_t triangle_lanes = 8;
+
+/// As read_ahead, for reads of 96 bytes at a time.
+HWY_INLINE void read_ahead_96(const void* now) {
+  constexpr size_t line = 64;
+  read_ahead(now);
+  read_ahead(static_cast<const std::byte*>(now) + line);
+}
 
 struct IndexLanes {
   WordLanes vertex[3];
@@ -57,11 +65,12 @@ class TriangleReader {
         stride_(hn::Set(Words(), static_cast<uint32_t>(geometry.vertex_stride))),
         vertex_count_(hn::Set(Words(), geometry.vertex_count)) {}
 
-  /// Of `count` triangles from `first` on; lanes beyond repeat the first.
+  /// Of `count` triangles from `first` on; lanes beyond repeat the first. To be called from front to back.
   HWY_INLINE IndexLanes sequence(uint32_t first, uint32_t count) const {
     const Words d;
     IndexLanes result;
     const uint32_t* from = indices_ + 3 * size_t{first};
+    read_ahead_96(from);
     uint32_t few[3 * triangle_lanes];
     if (count < triangle_lanes) {
       for (uint32_t lane = 0; lane < triangle_lanes; ++lane)
