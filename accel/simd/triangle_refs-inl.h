@@ -10,7 +10,7 @@
 #endif
 // clang-format on
 
-#include <rayloom/accel/prefetch.h>
+#include <rayloom/accel/read_ahead.h>
 #include <rayloom/accel/simd/build_kernel.h>
 #include <rayloom/accel/simd/triangle_lanes-inl.h>
 
@@ -53,17 +53,17 @@ HWY_INLINE void store_eight(const ExtentLanes& box, WordLanes geometry, WordLane
   store_two(min.of3, max.of3, refs + 3);
 }
 
-/// Keys in their order, in blocks of eight. What later blocks will read is asked for.
+/// Keys in their order, in blocks of eight. Of later blocks indices are read, and of still later ones asked for.
 class RefGatherer {
  public:
   HWY_INLINE RefGatherer(const RefRange& range, std::span<const MortonKey> keys, const TriangleRows* rows)
       : range_(range), reader_(*range.geometry), keys_(keys), rows_(rows) {}
 
   HWY_INLINE void gather_all(PrimitiveRef* refs) {
-    for (size_t first = 0; first < std::min(ahead, keys_.size()); first += triangle_lanes) ask(first);
+    for (size_t first = 0; first < std::min(ahead, keys_.size()); first += triangle_lanes) read_indices(first);
     for (size_t first = 0; first < keys_.size(); first += triangle_lanes) {
-      if (first + ahead < keys_.size()) ask(first + ahead);
-      const IndexLanes indices = reader_.indices(primitives(first));
+      const IndexLanes indices = read_[first % ahead / triangle_lanes];
+      if (first + ahead < keys_.size()) read_indices(first + ahead);
       if (rows_) store_rows(indices, first);
       const ExtentLanes box = box_of(reader_.corners(indices));
       const WordLanes geometry = hn::Set(Words(), range_.index);
@@ -79,7 +79,7 @@ class RefGatherer {
   }
 
  private:
-  static constexpr size_t ahead = 2 * triangle_lanes;
+  static constexpr size_t ahead = 4 * triangle_lanes;
 
   /// Lanes beyond the end repeat the first key's.
   HWY_INLINE WordLanes primitives(size_t first) const {
@@ -102,16 +102,28 @@ class RefGatherer {
     for (int v = 0; v < 3; ++v) hn::StoreU(indices.vertex[v], d, rows_->vertex[v] + first);
   }
 
-  HWY_INLINE void ask(size_t first) const {
+  /// Of each triangle the first vertex is asked for: where triangles lie side by side, that brings the others.
+  HWY_INLINE void read_indices(size_t first) {
+    read_ahead(&keys_[first]);
+    ask_for_indices(first + ahead);
     const TriangleGeometry& geometry = *range_.geometry;
-    for (size_t i = first + 16; i < std::min(first + 16 + triangle_lanes, keys_.size()); ++i)
-      __builtin_prefetch(geometry.indices + 12 * size_t{keys_[i].index - range_.first_number});
+    const IndexLanes indices = read_[first % ahead / triangle_lanes] = reader_.indices(primitives(first));
+    uint32_t vertex[triangle_lanes];
+    hn::StoreU(indices.vertex[0], Words(), vertex);
+    for (const uint32_t index : vertex) __builtin_prefetch(geometry.vertices + geometry.vertex_stride * index);
+  }
+
+  HWY_INLINE void ask_for_indices(size_t first) const {
+    const std::byte* const indices = range_.geometry->indices;
+    for (size_t i = first; i < std::min<size_t>(first + triangle_lanes, keys_.size()); ++i)
+      __builtin_prefetch(indices + 12 * size_t{keys_[i].index - range_.first_number});
   }
 
   const RefRange& range_;
   TriangleReader reader_;
   std::span<const MortonKey> keys_;
   const TriangleRows* rows_;
+  IndexLanes read_[ahead / triangle_lanes];  ///< of the blocks that come next
 };
 
 void gather_refs(const RefRange& range, std::span<const MortonKey> keys, PrimitiveRef* refs, const TriangleRows* rows) {
