@@ -1,5 +1,6 @@
 #include <rayloom/accel/lbvh_treelets.h>
 #include <rayloom/accel/part_builder.h>
+#include <rayloom/accel/read_ahead.h>
 #include <rayloom/accel/sizes.h>
 
 #include <cstring>
@@ -91,6 +92,7 @@ void PartBuilder::write_pieces() {
 uint32_t PartBuilder::write_leaf(uint32_t slot, LooseWide& wide) {
   const BinaryNode& node = built_.tree[slot];
   const auto refs = std::span(built_.refs).subspan(node.first, node.count);
+  write_ahead(wide_.next());
   const uint64_t bytes =
       has_rows_ ? leaves_.write_of_rows(rows(), node.first, refs, wide_.next()) : leaves_.write(refs, wide_.next());
   wide.push(node.box, wide_.add_leaf(bytes));
