@@ -1,6 +1,7 @@
 #include <rayloom/accel/part_builder.h>
 #include <rayloom/accel/sizes.h>
 #include <rayloom/accel/structure_in_parts.h>
+#include <rayloom/base/parallel.h>
 
 #include <catch2/catch.hpp>
 
@@ -69,6 +70,23 @@ TEST_CASE("the instruction set does not show in a structure's bytes") {
     }
   }
   set_isa(before);
+}
+
+TEST_CASE("the number of threads does not show in a structure's bytes") {
+  const Mesh mesh = crowded(150000, 137);
+  for (const Builder builder : in_parts) {
+    const auto built_by = [&](unsigned threads) {
+      const ThreadLimit limit(threads);
+      return build_mesh(mesh, geometry_flag::opaque, {0, builder});
+    };
+    const Block one = built_by(1);
+    for (const unsigned threads : {2u, 3u, 16u}) {
+      const Block block = built_by(threads);
+      CAPTURE(builder_name(builder), threads);
+      REQUIRE(block.header().bytes == one.header().bytes);
+      CHECK(std::memcmp(block.data(), one.data(), one.header().bytes) == 0);
+    }
+  }
 }
 
 TEST_CASE("nodes have children nearly as many as fit, inner ones first") {
