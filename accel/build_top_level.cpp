@@ -14,8 +14,9 @@ namespace rayloom::accel {
 namespace {
 
 std::optional<PrimitiveRef> instance_ref(const InstanceDesc& desc, AddressSpace addresses, uint32_t index,
-                                         bool keep_hidden) {
-  const auto box = instance_box(desc, addresses, index);
+                                         const BuildSettings& settings) {
+  const auto box = instance_box(desc, addresses, index, settings);
+  const bool keep_hidden = settings.flags & build_flag::allow_update;
   if (!box || (!keep_hidden && is_hidden(desc, addresses))) return std::nullopt;
   return make_primitive_ref(*box, 0, index);
 }
@@ -53,10 +54,10 @@ void open_ill_conditioned(std::span<const InstanceDesc> instances, std::span<con
   }
 }
 
-PrimitiveRefs instance_refs(std::span<const InstanceDesc> instances, AddressSpace addresses, bool keep_hidden) {
+PrimitiveRefs instance_refs(std::span<const InstanceDesc> instances, AddressSpace addresses,
+                            const BuildSettings& settings) {
   PrimitiveRefs refs;
-  append_refs(refs, instances.size(),
-              [&](uint32_t i) { return instance_ref(instances[i], addresses, i, keep_hidden); });
+  append_refs(refs, instances.size(), [&](uint32_t i) { return instance_ref(instances[i], addresses, i, settings); });
   return refs;
 }
 
@@ -75,7 +76,7 @@ uint64_t build_top_level(std::span<const InstanceDesc> instances, AddressSpace a
   const FloatEnvironment environment;
   check_result(result, top_level_sizes(instances.size(), settings).result_bytes);
   StructureHeader header = top_level_header(instances, settings);
-  PrimitiveRefs refs = instance_refs(instances, addresses, settings.flags & build_flag::allow_update);
+  PrimitiveRefs refs = instance_refs(instances, addresses, settings);
   if (const size_t active = refs.size(); active > 0) {
     if (may_rebraid(settings)) refs = rebraid(std::move(refs), instances, addresses, rebraid_bound(instances.size()));
     BuiltTree built = build_tree(std::move(refs), tree_input(header.kind, instances.size(), settings));

@@ -1,3 +1,4 @@
+#include <rayloom/accel/close_box.h>
 #include <rayloom/accel/instance_leaf.h>
 #include <rayloom/accel/instance_transform.h>
 #include <rayloom/accel/layout.h>
@@ -24,13 +25,12 @@ const StructureHeader& bottom_level(const InstanceDesc& desc, AddressSpace addre
 
 }  // namespace
 
-std::optional<Box> instance_box(const InstanceDesc& desc, AddressSpace addresses, uint32_t index) {
+std::optional<Box> instance_box(const InstanceDesc& desc, AddressSpace addresses, uint32_t index,
+                                const BuildSettings& settings) {
   if (desc.bottom_level_address == 0) return std::nullopt;
-  const StructureHeader& header = bottom_level(desc, addresses, index);
+  bottom_level(desc, addresses, index);
   if (!invert(desc.transform)) return std::nullopt;
-  Box object_box;
-  object_box.extend(header.bounds_min, header.bounds_max);
-  return world_box(desc.transform, object_box);
+  return close_world_box(desc.transform, addresses.host(desc.bottom_level_address), box_levels(settings));
 }
 
 bool is_hidden(const InstanceDesc& desc, AddressSpace addresses) {

@@ -16,7 +16,8 @@ inline constexpr double max_conditioning = 1024;
 /// World box of an active instance; a point at its origin when nothing in it is active (PR-14). Empty for inactive
 /// ones: null address (PR-05), NaN or no inverse in the transform. Throws InputError, naming instance `index`, for an
 /// address that is no bottom-level structure.
-std::optional<Box> instance_box(const InstanceDesc& desc, AddressSpace addresses, uint32_t index);
+std::optional<Box> instance_box(const InstanceDesc& desc, AddressSpace addresses, uint32_t index,
+                                const BuildSettings& settings);
 
 /// Whether no ray can hit anything in an active instance: such ones are kept for updates only.
 bool is_hidden(const InstanceDesc& desc, AddressSpace addresses);

@@ -61,25 +61,36 @@ std::optional<InverseTransform> invert(const float (&m)[3][4]) {
 // kappa. The first term widens the box here, four times over; the second is proportional to the distance from the ray's
 // origin, t |d| <= |p - o| but for terms of second order, and lies within the 8 u (pad_scale - 1) |p - o| by which the
 // box test widens top-level boxes on top of its own errors, pad_scale - 1 >= kappa.
-Box world_box(const float (&m)[3][4], const Box& object_box) {
-  double reach = 0;
-  for (int k = 0; k < 3; ++k)
-    reach = std::max({reach, std::fabs(double{object_box.min[k]}), std::fabs(double{object_box.max[k]})});
-  const double widening = norm(m) * (0x1p-22 * reach + 0x1p-126);
+Box widened_box(const float (&m)[3][4], const Box& object_box, const Interval (&images)[3]) {
+  double reach[3], largest = 0;
+  for (int k = 0; k < 3; ++k) {
+    reach[k] = std::max(std::fabs(double{object_box.min[k]}), std::fabs(double{object_box.max[k]}));
+    largest = std::max(largest, reach[k]);
+  }
+  const double widening = norm(m) * (0x1p-22 * largest + 0x1p-126);
   Box box;
   for (int row = 0; row < 3; ++row) {
-    double low = m[row][3], high = m[row][3], magnitude = std::fabs(double{m[row][3]});
-    for (int k = 0; k < 3; ++k) {
-      const double a = double{m[row][k]} * double{object_box.min[k]}, b = double{m[row][k]} * double{object_box.max[k]};
-      low += std::min(a, b);
-      high += std::max(a, b);
-      magnitude += std::max(std::fabs(a), std::fabs(b));
-    }
+    double magnitude = std::fabs(double{m[row][3]});
+    for (int k = 0; k < 3; ++k) magnitude += std::fabs(double{m[row][k]}) * reach[k];
     const double margin = widening + 0x1p-48 * magnitude;
-    box.min[row] = round_down(low - margin);
-    box.max[row] = round_up(high + margin);
+    box.min[row] = round_down(images[row].low - margin);
+    box.max[row] = round_up(images[row].high + margin);
   }
   return box;
+}
+
+Interval image(const float (&row)[4], const Box& object_box) {
+  Interval out{row[3], row[3]};
+  for (int k = 0; k < 3; ++k) {
+    const double a = double{row[k]} * double{object_box.min[k]}, b = double{row[k]} * double{object_box.max[k]};
+    out.low += std::min(a, b);
+    out.high += std::max(a, b);
+  }
+  return out;
+}
+
+Box world_box(const float (&m)[3][4], const Box& object_box) {
+  return widened_box(m, object_box, {image(m[0], object_box), image(m[1], object_box), image(m[2], object_box)});
 }
 
 Ray object_ray(const InstanceRecord& instance, const Ray& world_ray) {

@@ -9,10 +9,11 @@ constexpr float largest = std::numeric_limits<float>::max();
 
 /// Structures that may be updated are not re-braided, so instances are entered at their roots. One that has become
 /// inactive keeps its record for a later update; its box is empty.
-Refitted refit_instance(std::span<const InstanceDesc> instances, AddressSpace addresses, std::byte* address) {
+Refitted refit_instance(std::span<const InstanceDesc> instances, AddressSpace addresses, const BuildSettings& settings,
+                        std::byte* address) {
   const uint32_t index = reinterpret_cast<const InstanceRecord*>(address)->instance_index;
   const InstanceDesc& desc = instances[index];
-  const auto box = instance_box(desc, addresses, index);
+  const auto box = instance_box(desc, addresses, index, settings);
   if (!box) return {};
   write_instance(desc, index, 0, address);
   const double condition = conditioning(desc);
@@ -27,8 +28,9 @@ uint64_t refit_top_level(std::span<const InstanceDesc> instances, AddressSpace a
   const FloatEnvironment environment;
   check_update(source, result, StructureKind::instances, instances.size(), 0, settings);
   StructureHeader& header = *reinterpret_cast<StructureHeader*>(result.data());
-  const uint64_t bytes = update(source, result.data(), settings,
-                                [&](std::byte* address) { return refit_instance(instances, addresses, address); });
+  const uint64_t bytes = update(source, result.data(), settings, [&](std::byte* address) {
+    return refit_instance(instances, addresses, settings, address);
+  });
   header.non_opaque_count = 0;
   for (const InstanceDesc& desc : instances)
     header.non_opaque_count += (desc.flags & instance_flag::force_non_opaque) != 0;

@@ -56,11 +56,12 @@ std::vector<Hit> all_instance_hits(const std::vector<NamedTriangle>& triangles,
 }
 
 /// Top level over `transforms` of one mesh against brute force, for rays from around the scene at the meshes' vertices.
-void compare(const Mesh& mesh, const std::vector<Transform3x4>& transforms, size_t rays, uint64_t seed) {
+void compare(const Mesh& mesh, const std::vector<Transform3x4>& transforms, size_t rays, uint64_t seed,
+             uint32_t build_flags) {
   const Block bottom = build_mesh(mesh, geometry_flag::none);
   std::vector<InstanceDesc> descs;
   for (const auto& m : transforms) descs.push_back(instance_of(bottom, m));
-  const Block top = build_instances(descs);
+  const Block top = build_instances(descs, build_flags);
   const auto triangles = all_triangles({mesh.geometry()});
   Random random(seed);
   for_each_isa([&](Isa) {
@@ -83,6 +84,12 @@ void compare(const Mesh& mesh, const std::vector<Transform3x4>& transforms, size
     CHECK(different == 0);
     CHECK(hit_rays > rays / 4);
   });
+}
+
+/// The same for instances whose boxes fit more and less closely (close_box.h).
+void compare(const Mesh& mesh, const std::vector<Transform3x4>& transforms, size_t rays, uint64_t seed) {
+  for (const uint32_t flags : {build_flag::prefer_fast_build, build_flag::prefer_fast_trace})
+    compare(mesh, transforms, rays, seed, flags);
 }
 
 /// Rays from `distance` away at a triangle in one instance, aimed beside it by what rounding the object-space ray can
