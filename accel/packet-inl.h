@@ -26,13 +26,13 @@ class PacketTriangles {
  public:
   HWY_INLINE PacketTriangles(const TraceRequest& shared, PacketResults& results) : shared_(shared), results_(results) {}
 
-  /// Traces what goes together of the `wanted` rays of a group, which are in the structure's space, from `start` on.
-  /// Returns those that are left.
-  uint32_t trace(const RayRun& group, uint32_t wanted, const std::byte* block, uint32_t start,
+  /// Traces what goes together of the `wanted` rays from `start` on. Returns those that are left.
+  uint32_t trace(const PencilRays::InInstance& rays, uint32_t wanted, const std::byte* block, uint32_t start,
                  const InstanceRules& rules) {
     while (wanted != 0) {
-      const uint32_t taken = begin(group, wanted, block, start, rules);
+      const uint32_t taken = load(rays, wanted, block, rules);
       if (taken == 0) break;
+      begin(start);
       while (!done()) step();
       wanted &= ~taken;
     }
@@ -40,16 +40,14 @@ class PacketTriangles {
   }
 
   /// The same in steps, of rays that go together at once. Returns those; 0: there is nothing to do.
-  HWY_INLINE uint32_t begin(const RayRun& group, uint32_t wanted, const std::byte* block, uint32_t start,
-                            const InstanceRules& rules) {
-    const uint32_t taken = walk_.load(group, wanted, block, 1);
-    if (taken == 0) return 0;
-    group_ = group;
+  template <class Rays>
+  HWY_INLINE uint32_t load(const Rays& rays, uint32_t wanted, const std::byte* block, const InstanceRules& rules) {
     rules_ = rules;
     prepared_ = 0;
-    walk_.begin(start, results_);
-    return taken;
+    return walk_.load(rays, wanted, block, 1);
   }
+  const PencilRays& rays() const { return walk_.rays(); }
+  HWY_INLINE void begin(uint32_t start) { walk_.begin(start, results_); }
   bool done() const { return walk_.done(); }
   HWY_INLINE void step() { walk_.step(results_, *this); }
 
@@ -72,7 +70,8 @@ class PacketTriangles {
   HWY_NOINLINE void finish(uint32_t ref, uint32_t rays) {
     for (; rays != 0; rays &= rays - 1) {
       const auto ray = static_cast<uint32_t>(std::countr_zero(rays));
-      Search search(shared_, group_[ray], results_.hit(ray));
+      const Ray alone = walk_.rays().ray(ray);
+      Search search(shared_, alone, results_.hit(ray));
       Level& level = level_of(ray, search);
       Visitor none;
       level.shorten(search);
@@ -159,7 +158,8 @@ class PacketTriangles {
     uint32_t committed = 0;
     for (; rays != 0; rays &= rays - 1) {
       const auto ray = static_cast<uint32_t>(r * packet_size) + static_cast<uint32_t>(std::countr_zero(rays));
-      Search search(shared_, group_[ray], results_.hit(ray));
+      const Ray alone = walk_.rays().ray(ray);
+      Search search(shared_, alone, results_.hit(ray));
       Visitor none;
       const auto hit = TriangleLeaves::intersect(level_of(ray, search).ray, leaf, lane, certain, search.t());
       if (!hit) continue;
@@ -172,7 +172,7 @@ class PacketTriangles {
   }
 
   Level& level_of(uint32_t ray, const Search& search) {
-    if ((prepared_ >> ray & 1) == 0) std::construct_at(&levels_[ray], walk_.block(), group_[ray], 1.0f, search);
+    if ((prepared_ >> ray & 1) == 0) std::construct_at(&levels_[ray], walk_.block(), search.ray(), 1.0f, search);
     prepared_ |= 1u << ray;
     return levels_[ray];
   }
@@ -181,7 +181,6 @@ class PacketTriangles {
 
   const TraceRequest& shared_;
   PacketResults& results_;
-  RayRun group_;  ///< where the rays are
   InstanceRules rules_;
   PacketWalk walk_;
   uint32_t prepared_;  ///< rays whose level has been made
@@ -199,8 +198,11 @@ class TrianglePacket {
       : block_(shared.structure), rules_(0, 0, shared.ray_flags, nullptr), triangles_(shared, results_) {}
 
   HWY_INLINE uint32_t load(const RayRun& group, uint32_t wanted) {
-    results_.start(group);
-    return triangles_.begin(group, wanted, block_, header_of(block_).root, rules_);
+    const uint32_t taken = triangles_.load(group, wanted, block_, rules_);
+    if (taken == 0) return 0;
+    results_.start(triangles_.rays());
+    triangles_.begin(header_of(block_).root);
+    return taken;
   }
   bool done() const { return triangles_.done(); }
   HWY_INLINE void step() { triangles_.step(); }

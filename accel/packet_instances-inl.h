@@ -36,10 +36,10 @@ class InstancePacket {
         triangles_(shared, results_) {}
 
   uint32_t load(const RayRun& group, uint32_t wanted) {
-    group_ = group;
-    results_.start(group);
     const uint32_t taken = walk_.load(group, wanted, shared_.structure, bounds_.pad_scale);
-    if (taken != 0) walk_.begin(header_of(shared_.structure).root, results_);
+    if (taken == 0) return 0;
+    results_.start(walk_.rays());
+    walk_.begin(header_of(shared_.structure).root, results_);
     return taken;
   }
   bool done() const { return walk_.done(); }
@@ -55,13 +55,14 @@ class InstancePacket {
     InstanceRules rules;
     set_rules(rules, instance, shared_, plain_.hits);
     const uint32_t start = entry_of(instance, header);
-    const RayRun group = is_identity(instance) ? group_ : transformed(instance, rays);
-    uint32_t left = triangles_.trace(group, rays, block, start, rules);
+    const PencilRays::InInstance inside{walk_.rays(), is_identity(instance) ? nullptr : &instance};
+    uint32_t left = triangles_.trace(inside, rays, block, start, rules);
     for (; left != 0; left &= left - 1) {
       const auto ray = static_cast<uint32_t>(std::countr_zero(left));
-      Search search(shared_, group_[ray], results_.hit(ray));
+      const Ray alone = walk_.rays().ray(ray);
+      Search search(shared_, alone, results_.hit(ray));
       Visitor none;
-      traverse_bottom(block, start, group[ray], rules, search, none);
+      traverse_bottom(block, start, in_instance(inside.instance, alone), rules, search, none);
       results_.set(ray, search.hit());
     }
     return true;
@@ -70,8 +71,9 @@ class InstancePacket {
   HWY_NOINLINE void finish(uint32_t ref, uint32_t rays) {
     for (; rays != 0; rays &= rays - 1) {
       const auto ray = static_cast<uint32_t>(std::countr_zero(rays));
-      Search search(shared_, group_[ray], results_.hit(ray));
-      Level level(shared_.structure, bounds_, group_[ray], search);
+      const Ray alone = walk_.rays().ray(ray);
+      Search search(shared_, alone, results_.hit(ray));
+      Level level(shared_.structure, bounds_, alone, search);
       Visitor none;
       traverse_subtree<Order::distance>(level, ref, InstanceLeaves{addresses_, plain_}, search, none);
       results_.set(ray, search.hit());
@@ -84,12 +86,10 @@ class InstancePacket {
     return std::memcmp(instance.object_to_world, identity, sizeof(identity)) == 0;
   }
 
-  RayRun transformed(const InstanceRecord& instance, uint32_t rays) {
-    for (; rays != 0; rays &= rays - 1) {
-      const auto ray = static_cast<uint32_t>(std::countr_zero(rays));
-      object_ray_lanes(instance, group_[ray], object_rays_[ray]);
-    }
-    return {&shared_, object_rays_, sizeof(Ray), size};
+  static Ray in_instance(const InstanceRecord* instance, const Ray& ray) {
+    Ray inside = ray;
+    if (instance) object_ray_lanes(*instance, ray, inside);
+    return inside;
   }
 
   AddressSpace addresses_;
@@ -98,9 +98,7 @@ class InstancePacket {
   InstanceRules plain_{0, 0, shared_.ray_flags, nullptr};
   PacketResults results_;
   PacketTriangles triangles_;
-  RayRun group_;
   PacketWalk walk_;
-  Ray object_rays_[size] = {};
 };
 
 }  // namespace rayloom::accel::HWY_NAMESPACE

@@ -29,11 +29,13 @@ struct PacketNames {
 /// The closest hits of a packet's rays so far. Rays without one have t = t_max and kind 0.
 class PacketResults {
  public:
-  HWY_INLINE void start(const RayRun& group) {
+  HWY_INLINE void start(const PencilRays& rays) {
     const PacketWords w;
-    for (size_t ray = 0; ray < size; ++ray) t_[ray] = group[std::min(ray, group.count - 1)].t_max;
-    for (uint32_t* words : {instance_, geometry_, primitive_, kind_})
-      for (size_t ray = 0; ray < size; ray += packet_size) hn::Store(hn::Zero(w), w, words + ray);
+    for (size_t r = 0; r < PencilRays::rows; ++r) {
+      hn::Store(rays.row[r].t_max, PacketFloats(), t_ + r * packet_size);
+      for (uint32_t* words : {instance_, geometry_, primitive_, kind_})
+        hn::Store(hn::Zero(w), w, words + r * packet_size);
+    }
   }
 
   HWY_INLINE PacketVector t(size_t r) const { return hn::Load(PacketFloats(), t_ + r * packet_size); }
@@ -149,10 +151,11 @@ class PacketStack {
 /// A packet on its way through one structure.
 class PacketWalk {
  public:
-  /// Takes on what goes together of the `wanted` rays of a group; returns those rays, 0 if too few do.
-  HWY_INLINE uint32_t load(const RayRun& group, uint32_t wanted, const std::byte* block, float pad_scale) {
+  /// PencilRays::load(): takes on what goes together of the `wanted` rays; returns those rays, 0 if too few do.
+  template <class Rays>
+  HWY_INLINE uint32_t load(const Rays& rays, uint32_t wanted, const std::byte* block, float pad_scale) {
     block_ = block;
-    taken_ = rays_.load(group, wanted, header_of(block), pad_scale);
+    taken_ = rays_.load(rays, wanted, header_of(block), pad_scale);
     return taken_;
   }
 

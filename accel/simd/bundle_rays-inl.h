@@ -26,7 +26,8 @@ class BundleRays : public PacketRays<1> {
   /// Takes on the first of the `wanted` rays and those that go with it; returns them. 0: too few of them do, or they
   /// have extreme coordinates; nothing else may be asked then.
   HWY_INLINE uint32_t load(const RayRun& rays, uint32_t wanted, const StructureHeader& header) {
-    const Ray& first = begin(rays, wanted);
+    read(rays);
+    const Ray first = begin(wanted);
     const uint32_t taken = wanted & packet_bits(hn::And(alike(0, first, largest_difference), near(first, header)));
     if (std::popcount(taken) < fewest || (taken & (wanted & -wanted)) == 0) return 0;
     row[0].repeat(first, taken);

@@ -86,6 +86,14 @@ struct PacketRow {
     }
   }
 
+  HWY_INLINE Ray ray(uint32_t lane) const {
+    const auto at = [&](const PacketVector& v) { return reinterpret_cast<const float*>(&v)[lane]; };
+    return {{at(origin[0]), at(origin[1]), at(origin[2])},
+            at(t_min),
+            {at(direction[0]), at(direction[1]), at(direction[2])},
+            at(t_max)};
+  }
+
   PacketVector direction[3], t_min, t_max;
   PacketVector origin[3];
   PacketVector reciprocal[3], near_offset[3], far_offset[3];  ///< as in PreparedRay
@@ -120,14 +128,19 @@ class PacketRays : public SharedBoxes {
     return hn::Max(hn::Mul(t, splat(box_scale_)), splat(0x1p-126f));
   }
 
+  /// Ray i of the group, if it has been taken on.
+  HWY_INLINE Ray ray(uint32_t i) const { return row[i / packet_size].ray(i % packet_size); }
+
   PacketRow row[rows];
   float depth_scale;  ///< takes t in box space to a depth that is not below t |dominant component|
 
  protected:
-  /// Reads the rays and returns the first of the `wanted` ones.
-  HWY_INLINE const Ray& begin(const RayRun& rays, uint32_t wanted) {
-    const Ray& first = rays[static_cast<size_t>(std::countr_zero(wanted))];
-    for (size_t r = 0; r < rows; ++r) row[r].load(rays, r * packet_size);
+  HWY_INLINE void read(const RayRun& group) {
+    for (size_t r = 0; r < rows; ++r) row[r].load(group, r * packet_size);
+  }
+  /// Of rays that have been read: the first of the `wanted` ones, with which others may go.
+  HWY_INLINE Ray begin(uint32_t wanted) {
+    const Ray first = ray(static_cast<uint32_t>(std::countr_zero(wanted)));
     dominant_ = dominant_axis(first.direction);
     return first;
   }

@@ -10,6 +10,7 @@
 #endif
 // clang-format on
 
+#include <rayloom/accel/simd/packet_doubles-inl.h>
 #include <rayloom/accel/simd/packet_rays-inl.h>
 
 HWY_BEFORE_NAMESPACE();
@@ -22,10 +23,19 @@ namespace HWY_NAMESPACE {
 /// row overlaps with the other's.
 class PencilRays : public PacketRays<32 / packet_size> {
  public:
+  /// Rays of a packet in an instance's space.
+  struct InInstance {
+    const PencilRays& world;
+    const InstanceRecord* instance;  ///< null: one that leaves them as they are
+  };
+
   /// Takes on the first of the `wanted` rays and those that go with it; returns them. 0: too few of them do, or they
-  /// have extreme coordinates; nothing else may be asked then.
-  HWY_INLINE uint32_t load(const RayRun& rays, uint32_t wanted, const StructureHeader& header, float pad_scale) {
-    const Ray& first = begin(rays, wanted);
+  /// have extreme coordinates; nothing else may be asked then. Rays: a RayRun, or InInstance with rays that the other
+  /// packet has taken on.
+  template <class Rays>
+  HWY_INLINE uint32_t load(const Rays& rays, uint32_t wanted, const StructureHeader& header, float pad_scale) {
+    read(rays);
+    const Ray first = begin(wanted);
     const uint32_t taken = wanted & alike(first);
     if (std::popcount(taken) < fewest || (taken & (wanted & -wanted)) == 0) return 0;
     for (size_t r = 0; r < rows; ++r) row[r].repeat(first, part_of(taken, r));
@@ -47,6 +57,36 @@ class PencilRays : public PacketRays<32 / packet_size> {
   } frame[rows];
 
  private:
+  using PacketRays::read;
+  HWY_INLINE void read(const InInstance& rays) {
+    for (size_t r = 0; r < rows; ++r) {
+      const PacketRow& from = rays.world.row[r];
+      row[r].t_min = from.t_min;
+      row[r].t_max = from.t_max;
+      std::copy_n(from.origin, 3, row[r].origin);
+      std::copy_n(from.direction, 3, row[r].direction);
+      if (rays.instance) transform(*rays.instance, row[r]);
+    }
+  }
+
+  /// object_ray() of rays of one origin.
+  static HWY_INLINE void transform(const InstanceRecord& instance, PacketRow& row) {
+    const auto& m = instance.world_to_object;
+    const DoubleVector3 low = promote_half<0>(row.direction), high = promote_half<1>(row.direction);
+    double from[3];
+    for (int k = 0; k < 3; ++k) from[k] = double{hn::GetLane(row.origin[k])} - double{instance.object_to_world[k][3]};
+    for (int i = 0; i < 3; ++i) {
+      row.direction[i] = hn::Combine(PacketFloats(), times_row(m[i], high), times_row(m[i], low));
+      row.origin[i] = splat(static_cast<float>((m[i][0] * from[0] + m[i][1] * from[1]) + m[i][2] * from[2]));
+    }
+  }
+
+  static HWY_INLINE HalfVector times_row(const double* m, const DoubleVector3& v) {
+    const PacketDoubles d;
+    const auto sum = hn::Add(hn::Mul(hn::Set(d, m[0]), v.x), hn::Mul(hn::Set(d, m[1]), v.y));
+    return hn::DemoteTo(HalfFloats(), hn::Add(sum, hn::Mul(hn::Set(d, m[2]), v.z)));
+  }
+
   HWY_INLINE uint32_t alike(const Ray& first) const {
     uint32_t rays = 0;
     for (size_t r = 0; r < rows; ++r)
