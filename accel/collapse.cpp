@@ -25,9 +25,10 @@ void Collapse::solve(uint32_t slot) {
   } else {
     parallel_invoke([this, left] { solve(left); }, [this, right] { solve(right); });
   }
-  const bool left_is_leaf = tree_[left].is_leaf();  // then more than one slot for it gains nothing
-  const auto share = [&](uint32_t slots) {
+  const bool left_is_leaf = tree_[left].is_leaf(), right_is_leaf = tree_[right].is_leaf();
+  const auto share = [&](uint32_t slots) {  // for a leaf more than one slot gains nothing
     if (left_is_leaf) return Share{plans_[right].cost[slots - 2], 1};
+    if (right_is_leaf) return Share{plans_[left].cost[slots - 2], static_cast<uint8_t>(slots - 1)};
     return best_share(plans_[left], plans_[right], slots);
   };
   Plan& plan = plans_[slot];

@@ -13,18 +13,26 @@ namespace rayloom::accel {
 
 namespace detail {
 
-/// How many of `count` ascending codes have a 0 in the highest bit in which they differ; 0: all are equal.
-template <class CodeOf>
-uint32_t change_of(uint32_t count, const CodeOf& code_of) {
+/// How many of `count` ascending codes have a 0 in the highest bit in which they differ; 0: all are equal. ask(i) says
+/// that code_of(i) may come next.
+template <class CodeOf, class Ask>
+uint32_t change_of(uint32_t count, const CodeOf& code_of, const Ask& ask) {
+  constexpr uint32_t far = 8192;
   const auto bit = std::bit_floor(code_of(0) ^ code_of(count - 1));
   if (bit == 0) return 0;
   uint32_t first = 0;  // a 0; without branches, which nobody could predict
   for (uint32_t left = count; left > 1;) {
     const uint32_t half = left / 2;
+    if (left > far) ask(first + half / 2), ask(first + half + half / 2);
     first += (code_of(first + half) & bit) == 0 ? half : 0;
     left -= half;
   }
   return first + 1;
+}
+
+inline uint32_t change_of(std::span<const MortonKey> keys) {
+  const auto ask = [&](uint32_t i) { __builtin_prefetch(&keys[i]); };
+  return change_of(static_cast<uint32_t>(keys.size()), [&](uint32_t i) { return keys[i].code; }, ask);
 }
 
 /// `cut`, or the multiple of the leaf size next to it when the budget has no block to spare.
@@ -41,8 +49,8 @@ inline uint32_t fitting(const Subtree& subtree, uint32_t cut, uint32_t leaf_size
 template <class CodeOf>
 uint32_t curve_cut(std::span<const MortonKey> keys, const Subtree& subtree, uint32_t leaf_size, const CodeOf& code_of) {
   if (subtree.depth >= max_choice_depth) return middle_cut(subtree, leaf_size);
-  uint32_t cut = detail::change_of(subtree.count, [&](uint32_t i) { return keys[i].code; });
-  if (cut == 0) cut = detail::change_of(subtree.count, code_of);
+  uint32_t cut = detail::change_of(keys);
+  if (cut == 0) cut = detail::change_of(subtree.count, code_of, [](uint32_t) {});
   return cut == 0 ? middle_cut(subtree, leaf_size) : detail::fitting(subtree, cut, leaf_size);
 }
 

@@ -23,7 +23,7 @@ struct Range {
 /// Cuts where codes change most, as the curve's tree does, until parts are small enough.
 void cut_on_curve(std::span<const MortonKey> keys, const Range& range, std::vector<Range>& parts) {
   if (range.count <= lazy_part_size) return parts.push_back(range);
-  const uint32_t change = detail::change_of(range.count, [&](uint32_t i) { return keys[range.first + i].code; });
+  const uint32_t change = detail::change_of(keys.subspan(range.first, range.count));
   const uint32_t left = change != 0 ? change : range.count / 2;
   cut_on_curve(keys, {range.first, left}, parts);
   cut_on_curve(keys, {range.first + left, range.count - left}, parts);

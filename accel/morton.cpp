@@ -2,6 +2,9 @@
 #include <rayloom/accel/morton.h>
 #include <rayloom/accel/radix_sort.h>
 
+#include <algorithm>
+#include <iterator>
+
 namespace rayloom::accel {
 namespace {
 
@@ -14,13 +17,6 @@ uint64_t spread(uint64_t x) {
   x = (x | x << 8) & 0x100F00F00F00F00Fu;
   x = (x | x << 4) & 0x10C30C30C30C30C3u;
   return (x | x << 2) & 0x1249249249249249u;
-}
-
-/// Whether any `longest` + 1 keys have one code.
-bool has_runs(std::span<const MortonKey> keys, size_t longest) {
-  bool any = false;
-  for (size_t i = longest; i < keys.size(); ++i) any |= keys[i].code == keys[i - longest].code;
-  return any;
 }
 
 /// Sorts keys of one upper code by the lower 31 bits, in place of the upper ones while it lasts.
@@ -42,11 +38,21 @@ void sort_run(std::span<MortonKey> run, const KeyDetails& details) {
   for (MortonKey& key : run) key.code = upper;
 }
 
-/// Sorts the runs of more than `longest` keys of one code.
+/// The keys around place `i` that have its code.
+std::span<MortonKey> run_around(std::span<MortonKey> keys, size_t i) {
+  const auto other = [code = keys[i].code](const MortonKey& key) { return key.code != code; };
+  const auto here = keys.begin() + static_cast<ptrdiff_t>(i);
+  return {std::find_if(std::reverse_iterator(here), keys.rend(), other).base(), std::find_if(here, keys.end(), other)};
+}
+
+/// Sorts the runs of more than `longest` keys of one code: each has two places that are multiples of half as many.
 void sort_runs(std::span<MortonKey> keys, size_t longest, const KeyDetails& details) {
-  for (size_t begin = 0, end = 0; begin < keys.size(); begin = end) {
-    while (end < keys.size() && keys[end].code == keys[begin].code) ++end;
-    if (end - begin > longest) sort_run(keys.subspan(begin, end - begin), details);
+  const size_t step = (longest + 1) / 2;
+  for (size_t i = step; i < keys.size(); i += step) {
+    if (keys[i].code != keys[i - step].code) continue;
+    const auto run = run_around(keys, i);
+    if (run.size() > longest) sort_run(run, details);
+    i += static_cast<size_t>(run.data() + run.size() - &keys[i]) / step * step;
   }
 }
 
@@ -66,9 +72,7 @@ uint64_t MortonCurve::code(Float4 centre) const {
 }
 
 void sort_keys(ScratchVector<MortonKey>& keys, size_t longest_run, const KeyDetails& details) {
-  radix_sort(keys, [&](std::span<MortonKey> sorted) {
-    if (has_runs(sorted, longest_run)) sort_runs(sorted, longest_run, details);
-  });
+  radix_sort(keys, [&](std::span<MortonKey> sorted) { sort_runs(sorted, longest_run, details); });
 }
 
 ScratchVector<MortonKey> sorted_keys(const MortonCurve& curve, std::span<const PrimitiveRef> refs) {
