@@ -32,7 +32,8 @@ uint32_t change_of(uint32_t count, const CodeOf& code_of, const Ask& ask) {
 
 inline uint32_t change_of(std::span<const MortonKey> keys) {
   const auto ask = [&](uint32_t i) { __builtin_prefetch(&keys[i]); };
-  return change_of(static_cast<uint32_t>(keys.size()), [&](uint32_t i) { return keys[i].code; }, ask);
+  return change_of(
+      static_cast<uint32_t>(keys.size()), [&](uint32_t i) { return keys[i].code; }, ask);
 }
 
 /// `cut`, or the multiple of the leaf size next to it when the budget has no block to spare.

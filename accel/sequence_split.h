@@ -16,9 +16,8 @@ struct SequenceCut {
 };
 
 /// Where to cut a sequence of references whose order stays: the first position of least surface area cost, counted in
-/// leaf blocks, whose parts fit `block_budget` blocks together. Always finds one when the whole fits.
+/// leaf blocks, among those that take no more blocks than the whole.
 /// leaf_size < refs.size() <= max_sweep; leaf_size is a power of two.
-SequenceCut cheapest_cut(std::span<const PrimitiveRef> refs, const Box4& box, uint32_t leaf_size,
-                         uint64_t block_budget);
+SequenceCut cheapest_cut(std::span<const PrimitiveRef> refs, uint32_t leaf_size);
 
 }  // namespace rayloom::accel

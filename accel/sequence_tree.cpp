@@ -50,25 +50,31 @@ class SequenceBuilder {
   SequenceBuilder(std::span<PrimitiveRef> refs, uint32_t leaf_size, BinaryTree& tree, bool sorts)
       : refs_(refs), leaf_size_(leaf_size), tree_(tree), sorts_(sorts) {}
 
-  void build(const Subtree& subtree, const Box4& box) {
+  Box4 build(const Subtree& subtree) {
     const auto range = range_of(subtree);
-    BinaryNode& node = tree_[subtree.slot];
-    if (subtree.count <= leaf_size_) {
-      store(box, subtree.first, subtree.count, 0, node);
-      if (sorts_) sort_leaf(range);
-      return;
-    }
+    if (subtree.count <= leaf_size_) return build_leaf(subtree, box_of(range));
     const bool choice = subtree.count <= max_sweep && subtree.depth < max_choice_depth;
-    const SequenceCut cut = choice ? cheapest_cut(range, box, leaf_size_, subtree.budget) : middle(subtree);
+    const SequenceCut cut = choice ? cheapest_cut(range, leaf_size_) : middle(subtree);
     const auto [left, right] = halves_of(subtree, static_cast<uint32_t>(cut.left_count), leaf_size_);
-    store(box, subtree.first, subtree.count, right.slot, node);
-    build(left, cut.left);
-    build(right, cut.right);
+    Box4 box = build_half(left, cut.left);
+    box.extend(build_half(right, cut.right));
+    store(box, subtree.first, subtree.count, right.slot, tree_[subtree.slot]);
+    return box;
   }
 
+ private:
   std::span<PrimitiveRef> range_of(const Subtree& subtree) const { return refs_.subspan(subtree.first, subtree.count); }
 
- private:
+  Box4 build_half(const Subtree& half, const Box4& box) {
+    return half.count <= leaf_size_ ? build_leaf(half, box) : build(half);
+  }
+
+  Box4 build_leaf(const Subtree& leaf, const Box4& box) {
+    store(box, leaf.first, leaf.count, 0, tree_[leaf.slot]);
+    if (sorts_) sort_leaf(range_of(leaf));
+    return box;
+  }
+
   SequenceCut middle(const Subtree& subtree) const {
     const auto range = range_of(subtree);
     const uint32_t count = middle_cut(subtree, leaf_size_);
@@ -89,10 +95,7 @@ uint32_t middle_cut(const Subtree& subtree, uint32_t leaf_size) {
 
 Box4 build_sequence(std::span<PrimitiveRef> refs, uint32_t leaf_size, const Subtree& subtree, BinaryTree& tree,
                     bool sorts) {
-  SequenceBuilder builder(refs, leaf_size, tree, sorts);
-  const Box4 box = box_of(builder.range_of(subtree));
-  builder.build(subtree, box);
-  return box;
+  return SequenceBuilder(refs, leaf_size, tree, sorts).build(subtree);
 }
 
 }  // namespace rayloom::accel

@@ -24,7 +24,8 @@ inline std::pair<Subtree, Subtree> halves_of(const Subtree& parent, uint32_t lef
   const uint32_t right_count = parent.count - left_count;
   const uint64_t left_need = blocks_for(left_count, leaf_size), right_need = blocks_for(right_count, leaf_size);
   const uint64_t slack = parent.budget - left_need - right_need;
-  const auto left_budget = static_cast<uint32_t>(left_need + slack * left_need / (left_need + right_need));
+  const uint64_t extra = left_need == right_need ? slack / 2 : slack * left_need / (left_need + right_need);
+  const auto left_budget = static_cast<uint32_t>(left_need + extra);
   const uint32_t depth = parent.depth + 1;
   return {{parent.slot + 1, parent.first, left_count, left_budget, depth},
           {parent.slot + 2 * left_budget, parent.first + left_count, right_count, parent.budget - left_budget, depth}};
