@@ -39,9 +39,16 @@ void write_child(const LooseWide::Child& child, uint32_t lane, Node8& out) {
 
 }  // namespace
 
+void WideSums::add(const WideSums& other) {
+  granules += other.granules;
+  node_count += other.node_count;
+  leaf_count += other.leaf_count;
+  area += other.area;
+}
+
 void WideBytes::start(std::byte* block, uint32_t granule) {
   block_ = block;
-  granule_ = granule;
+  first_granule_ = granule_ = granule;
   leaf_count_ = 0;
   area_ = 0;
   nodes_.clear();

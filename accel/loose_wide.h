@@ -30,6 +30,14 @@ struct LooseWide {
   }
 };
 
+/// Sums over nodes and leaves.
+struct WideSums {
+  uint32_t granules = 0, node_count = 0, leaf_count = 0;
+  double area = 0;
+
+  void add(const WideSums& other);
+};
+
 /// Bytes of nodes and leaves one after another, and sums over them.
 class WideBytes {
  public:
@@ -69,14 +77,15 @@ class WideBytes {
   }
 
   uint32_t granule() const { return granule_; }
-  uint32_t leaf_count() const { return leaf_count_; }
-  double area() const { return area_; }
+  WideSums sums() const {
+    return {granule_ - first_granule_, static_cast<uint32_t>(nodes_.size()), leaf_count_, area_};
+  }
   /// Granules of the nodes, in the order they were written.
   const std::vector<uint32_t>& nodes() const { return nodes_; }
 
  private:
   std::byte* block_ = nullptr;
-  uint32_t granule_ = 0, leaf_count_ = 0;
+  uint32_t first_granule_ = 0, granule_ = 0, leaf_count_ = 0;
   double area_ = 0;  ///< summed over nodes and leaves
   std::vector<uint32_t> nodes_;
 };

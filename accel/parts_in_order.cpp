@@ -11,7 +11,7 @@
 namespace rayloom::accel {
 namespace {
 
-/// For each thread; all but one of its parts may wait for a slower one before them.
+/// All but one may wait for slower parts before theirs.
 constexpr size_t thread_builders = 4;
 constexpr uint64_t small_page = 4096, huge_page = uint64_t{2} << 20;
 
@@ -25,11 +25,62 @@ void populate([[maybe_unused]] std::byte* begin, [[maybe_unused]] uint64_t bytes
 
 }  // namespace
 
-void PartSums::add(const WideBytes& wide) {
-  node_count += static_cast<uint32_t>(wide.nodes().size());
-  leaf_count += wide.leaf_count();
-  area += wide.area();
-}
+/// A thread's builders: one of a part in the making, others of parts that wait for a place. Most often all is done by
+/// the first, whose memory stays in the core's cache.
+class PartsInOrder::Worker {
+ public:
+  explicit Worker(PartsInOrder& all) : all_(all), slots_(thread_builders, Slot{PartBuilder(all.order_, all.input_)}) {}
+
+  /// A part is taken with a builder at hand, so the first part without a place is always being built: waiting comes to
+  /// an end.
+  void work() {
+    while (Slot* const slot = free_slot()) {
+      const size_t part = all_.take();
+      if (part == all_.parts_.size()) break;
+      slot->builder.build(all_.parts_[part].where);
+      slot->part = part;
+      move_before(all_.finish(part, slot->builder.wide()));
+    }
+    while (const Slot* const slot = oldest())
+      if (!wait_for(*slot)) break;
+  }
+
+ private:
+  static constexpr size_t none = ~size_t{0};
+  struct Slot {
+    PartBuilder builder;
+    size_t part = none;
+  };
+
+  /// Null when another thread has failed.
+  Slot* free_slot() {
+    const auto is_free = [](const Slot& slot) { return slot.part == none; };
+    if (std::none_of(slots_.begin(), slots_.end(), is_free) && !wait_for(*oldest())) return nullptr;
+    return &*std::find_if(slots_.begin(), slots_.end(), is_free);
+  }
+
+  /// Null if nothing waits.
+  const Slot* oldest() const {
+    const auto older = [](const Slot& a, const Slot& b) { return a.part < b.part; };
+    const auto first = std::min_element(slots_.begin(), slots_.end(), older);
+    return first->part == none ? nullptr : &*first;
+  }
+
+  bool wait_for(const Slot& slot) {
+    const size_t placed = all_.wait_for_place(slot.part);
+    move_before(placed);
+    return placed > 0;
+  }
+
+  /// Moves the parts that have a place: those before `placed`.
+  void move_before(size_t placed) {
+    for (Slot& slot : slots_)
+      if (slot.part < placed) all_.move(std::exchange(slot.part, none), slot.builder);
+  }
+
+  PartsInOrder& all_;
+  std::vector<Slot> slots_;
+};
 
 PartsInOrder::PartsInOrder(const TriangleCurve& order, const TreeInput& input, std::span<Part> parts,
                            std::span<std::byte> block, uint32_t granule)
@@ -37,78 +88,63 @@ PartsInOrder::PartsInOrder(const TriangleCurve& order, const TreeInput& input, s
       input_(input),
       parts_(parts),
       block_(block),
-      unmade_(thread_builders * thread_limit()),
       built_(parts.size()),
       place_(parts.size()),
-      granule_(granule) {
-  parallel_for(std::min<size_t>(thread_limit(), parts.size()), 1, [this](uint64_t, uint64_t) { work(); });
-}
-
-void PartsInOrder::work() {
-  try {
-    for (Task task = take(); task.builder; task = take()) {
-      task.builder->build(parts_[task.part].where);
-      move(place(std::move(task)));
+      first_granule_(granule) {
+  parallel_for(std::min<size_t>(thread_limit(), parts.size()), 1, [this](uint64_t, uint64_t) {
+    try {
+      Worker(*this).work();
+    } catch (...) {
+      give_up();
+      throw;
     }
-  } catch (...) {
-    give_up();
-    throw;
-  }
+  });
 }
 
-/// A part is taken with a builder, so the first part without a place is always being built: waiting for others'
-/// builders comes to an end.
-PartsInOrder::Task PartsInOrder::take() {
-  std::unique_lock lock(mutex_);
-  changed_.wait(lock, [this] { return next_ == parts_.size() || !free_.empty() || unmade_ > 0; });
-  if (next_ == parts_.size()) return {};
-  Task task{next_++, nullptr};
-  if (next_ == parts_.size()) changed_.notify_all();
-  if (free_.empty()) {
-    --unmade_;
-    task.builder = std::make_unique<PartBuilder>(order_, input_);
-  } else {
-    task.builder = std::move(free_.back());
-    free_.pop_back();
-  }
-  return task;
-}
-
-PartsInOrder::Share PartsInOrder::place(Task task) {
+/// The next part to build; as many as there are when none is left.
+size_t PartsInOrder::take() {
   const std::lock_guard lock(mutex_);
-  built_[task.part] = std::move(task.builder);
-  const size_t first = placed_;
-  for (; placed_ < parts_.size() && built_[placed_]; ++placed_) {
-    const WideBytes& wide = built_[placed_]->wide();
-    place_[placed_] = std::exchange(granule_, granule_ + wide.granule());
-    sums_.add(wide);
+  return failed_ || next_ == parts_.size() ? parts_.size() : next_++;
+}
+
+/// Gives places as far as parts are built; returns the first part without.
+size_t PartsInOrder::finish(size_t part, const WideBytes& wide) {
+  std::unique_lock lock(mutex_);
+  built_[part] = wide.sums();
+  for (; placed_ < parts_.size() && built_[placed_].granules > 0; ++placed_) {
+    place_[placed_] = granule();
+    sums_.add(built_[placed_]);
   }
-  const uint64_t begin = populated_;
-  populated_ = std::max(populated_, page_after_next());
-  return {first, placed_, begin, populated_};
+  const size_t placed = placed_;
+  const uint64_t begin = populated_, end = populated_ = std::max(populated_, page_after_next());
+  lock.unlock();
+  placed_more_.notify_all();
+  populate(block_.data() + begin, end - begin);
+  return placed;
+}
+
+/// Returns the first part without a place once that is behind `part`; 0 if a thread has failed.
+size_t PartsInOrder::wait_for_place(size_t part) {
+  std::unique_lock lock(mutex_);
+  placed_more_.wait(lock, [&] { return failed_ || placed_ > part; });
+  return failed_ ? 0 : placed_;
 }
 
 /// A page before it is needed: threads that write to a new page at the same time would each clear one.
 uint64_t PartsInOrder::page_after_next() const {
-  const uint64_t used = uint64_t{granule_} * granule_bytes;
+  const uint64_t used = uint64_t{granule()} * granule_bytes;
   const uint64_t in_page = (reinterpret_cast<uintptr_t>(block_.data()) + used) % huge_page;
   return std::min<uint64_t>(block_.size(), used - in_page + 2 * huge_page);
 }
 
-void PartsInOrder::move(const Share& share) {
-  populate(block_.data() + share.begin, share.end - share.begin);
-  for (size_t part = share.first; part < share.last; ++part) {
-    parts_[part].pieces = built_[part]->move_to(block_.data(), place_[part]);
-    const std::lock_guard lock(mutex_);
-    free_.push_back(std::move(built_[part]));
-    changed_.notify_one();
-  }
+void PartsInOrder::move(size_t part, const PartBuilder& builder) {
+  parts_[part].pieces = builder.move_to(block_.data(), place_[part]);
 }
 
 void PartsInOrder::give_up() {
   const std::lock_guard lock(mutex_);
-  next_ = parts_.size();
-  changed_.notify_all();
+  failed_ = true;
+  placed_more_.notify_all();
 }
 
 }  // namespace rayloom::accel

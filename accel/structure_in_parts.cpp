@@ -63,7 +63,7 @@ class StructureInParts {
       builder.build_in_place(part.where, block_.data(), granule_);
       part.pieces = builder.take_pieces();
       granule_ = builder.wide().granule();
-      sums_.add(builder.wide());
+      sums_.add(builder.wide().sums());
     }
   }
 
@@ -80,7 +80,7 @@ class StructureInParts {
     const uint64_t used = uint64_t{wide.granule()} * granule_bytes;
     std::memset(block_.data() + used, 0, TriangleLeaf::overread_bytes);
     header_.bytes = used + TriangleLeaf::overread_bytes;
-    sums_.add(wide);
+    sums_.add(wide.sums());
     header_.node_count = sums_.node_count;
     header_.leaf_count = sums_.leaf_count;
     describe(tree[0].box);
@@ -100,7 +100,7 @@ class StructureInParts {
   std::span<std::byte> block_;
   std::vector<Part> parts_;
   uint32_t granule_ = header_granules;
-  PartSums sums_;
+  WideSums sums_;
 };
 
 }  // namespace
