@@ -11,8 +11,10 @@ namespace {
 
 class BinaryBuilder {
  public:
-  BinaryBuilder(std::span<PrimitiveRef> refs, std::span<PrimitiveRef> scratch, uint32_t leaf_size, BinaryTree& tree)
-      : refs_(refs), scratch_(scratch), leaf_size_(leaf_size), tree_(tree) {}
+  /// Halves of `large` primitives together are built at the same time.
+  BinaryBuilder(std::span<PrimitiveRef> refs, std::span<PrimitiveRef> scratch, uint32_t leaf_size, BinaryTree& tree,
+                uint32_t large)
+      : refs_(refs), scratch_(scratch), leaf_size_(leaf_size), tree_(tree), large_(large) {}
 
   void build(const Subtree& subtree) {
     const auto refs = refs_.subspan(subtree.first, subtree.count);
@@ -23,7 +25,8 @@ class BinaryBuilder {
     const auto left_count = static_cast<uint32_t>(partition(subtree, bounds.centres));
     const auto [left, right] = halves_of(subtree, left_count, leaf_size_);
     node.right = right.slot;
-    build_halves(left, right, [this](const Subtree& half) { build(half); });
+    build_halves(
+        left, right, [this](const Subtree& half) { build(half); }, large_);
   }
 
  private:
@@ -39,13 +42,14 @@ class BinaryBuilder {
   std::span<PrimitiveRef> scratch_;
   uint32_t leaf_size_;
   BinaryTree& tree_;
+  uint32_t large_;
 };
 
 }  // namespace
 
 void build_binary_subtree(std::span<PrimitiveRef> refs, std::span<PrimitiveRef> scratch, uint32_t leaf_size,
                           const Subtree& subtree, BinaryTree& tree) {
-  BinaryBuilder(refs, scratch, leaf_size, tree).build(subtree);
+  BinaryBuilder(refs, scratch, leaf_size, tree, 4096).build(subtree);
 }
 
 BinaryTree build_binary_tree(std::span<PrimitiveRef> refs, const BinaryBuildOptions& options) {
@@ -53,8 +57,8 @@ BinaryTree build_binary_tree(std::span<PrimitiveRef> refs, const BinaryBuildOpti
   PrimitiveRefs scratch(refs.size());
   BinaryTree tree(2 * options.leaf_budget - 1);
   const auto count = static_cast<uint32_t>(refs.size());
-  build_binary_subtree(refs, scratch, options.leaf_size, {0, 0, count, static_cast<uint32_t>(options.leaf_budget), 0},
-                       tree);
+  BinaryBuilder(refs, scratch, options.leaf_size, tree, 512)
+      .build({0, 0, count, static_cast<uint32_t>(options.leaf_budget), 0});
   return tree;
 }
 

@@ -17,7 +17,11 @@ Collapse::Collapse(const BinaryTree& tree) : tree_(tree), plans_(tree.size()) {
 
 void Collapse::solve(uint32_t slot) {
   const BinaryNode& node = tree_[slot];
-  if (node.is_leaf()) return;  // all zeros: leaves cost the same in every wide tree
+  Plan& plan = plans_[slot];
+  if (node.is_leaf()) {  // all zeros: leaves cost the same in every wide tree
+    plan = {};
+    return;
+  }
   const uint32_t left = slot + 1, right = node.right;
   if (node.count < parallel_threshold) {
     solve(left);
@@ -31,7 +35,6 @@ void Collapse::solve(uint32_t slot) {
     if (right_is_leaf) return Share{plans_[left].cost[slots - 2], static_cast<uint8_t>(slots - 1)};
     return best_share(plans_[left], plans_[right], slots);
   };
-  Plan& plan = plans_[slot];
   const Share own = share(node_width);
   plan.cost[0] = own.cost + static_cast<float>(node.box.half_area() * area_scale_);
   plan.left_share[0] = own.left;

@@ -34,8 +34,8 @@ class Collapse {
   /// many of the j slots its left child gets; 0: as good with fewer. left_share[0] is for the 8 slots of a node of its
   /// own.
   struct Plan {
-    std::array<float, node_width - 1> cost{};
-    std::array<uint8_t, node_width - 1> left_share{};
+    std::array<float, node_width - 1> cost;
+    std::array<uint8_t, node_width - 1> left_share;
   };
   struct Share {
     float cost;

@@ -31,11 +31,10 @@ inline std::pair<Subtree, Subtree> halves_of(const Subtree& parent, uint32_t lef
           {parent.slot + 2 * left_budget, parent.first + left_count, right_count, parent.budget - left_budget, depth}};
 }
 
-/// Calls build(left) and build(right), at the same time when they are large.
+/// Calls build(left) and build(right), at the same time where they have `large` primitives together.
 template <class Build>
-void build_halves(const Subtree& left, const Subtree& right, const Build& build) {
-  constexpr uint32_t parallel_threshold = 4096;
-  if (left.count + right.count >= parallel_threshold)
+void build_halves(const Subtree& left, const Subtree& right, const Build& build, uint32_t large = 4096) {
+  if (left.count + right.count >= large)
     return parallel_invoke([&build, left] { build(left); }, [&build, right] { build(right); });
   build(left);
   build(right);

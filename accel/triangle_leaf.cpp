@@ -218,14 +218,19 @@ void pad(TriangleLeaf& leaf) {
 }  // namespace
 
 uint64_t TriangleLeafWriter::write(std::span<const PrimitiveRef> refs, std::byte* address) const {
-  auto& leaf = *reinterpret_cast<TriangleLeaf*>(address);
   const TriangleGeometry& first = geometries[refs[0].geometry];
   const bool by_index = form == LeafForm::index_table && first.index_format != IndexFormat::none && one_geometry(refs);
-  if (by_index && write_by_index(first, refs, leaf) <= table_slots) {
+  if (auto& leaf = *reinterpret_cast<TriangleLeaf*>(address);
+      by_index && write_by_index(first, refs, leaf) <= table_slots) {
     leaf.geometry = geometry_word(geometries, refs[0].geometry);
     pad(leaf);
     return leaf.bytes();
   }
+  return write_by_value(refs, address);
+}
+
+uint64_t TriangleLeafWriter::write_by_value(std::span<const PrimitiveRef> refs, std::byte* address) const {
+  auto& leaf = *reinterpret_cast<TriangleLeaf*>(address);
   uint32_t geometry[leaf_lanes] = {};
   write_any(*this, refs, leaf, geometry);
   if (leaf.mixed) std::memcpy(leaf.row(3), geometry, sizeof(geometry));
@@ -238,7 +243,7 @@ uint64_t TriangleLeafWriter::write_of_rows(const TriangleRows& rows, size_t firs
   auto& leaf = *reinterpret_cast<TriangleLeaf*>(address);
   if (build_kernel()->write_leaf_of_rows(geometries[0], rows, first, refs.size(), leaf) > table_slots) {
     std::sort(refs.begin(), refs.end(), name_less);
-    return write(refs, address);
+    return write_by_value(refs, address);
   }
   leaf.geometry = geometry_word(geometries, 0);
   pad(leaf);

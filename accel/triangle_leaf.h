@@ -26,6 +26,9 @@ struct TriangleLeafWriter {
   /// which bytes beyond the leaf are left undefined.
   uint64_t write(std::span<const PrimitiveRef> refs, std::byte* address) const;
 
+  /// The same without looking at indices: equal vertices are those of equal bits, unless the form is `full`.
+  uint64_t write_by_value(std::span<const PrimitiveRef> refs, std::byte* address) const;
+
   /// The same of a range of rows that belongs to `refs`, sorted by primitive; only for geometry 0 as index_table.
   uint64_t write_of_rows(const TriangleRows& rows, size_t first, std::span<PrimitiveRef> refs,
                          std::byte* address) const;
