@@ -110,8 +110,9 @@ class PacketTriangles {
     return committed;
   }
 
-  /// Returns the rays of a row of which these have become the closest hits, and forgets them.
-  HWY_INLINE uint32_t commit(size_t r, const TriangleLeaf& leaf, CertainRays& certain) {
+  /// Returns the rays of a row of which these have become the closest hits, and forgets them. Not inlined: once for
+  /// every row and caller it is 24 KB of code.
+  HWY_NOINLINE uint32_t commit(size_t r, const TriangleLeaf& leaf, CertainRays& certain) {
     const uint32_t lanes = certain.lanes, rays = certain.rays;
     const PacketWordVector lane = certain.lane;
     certain = CertainRays();

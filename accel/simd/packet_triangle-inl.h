@@ -14,6 +14,8 @@
 #include <rayloom/accel/simd/pencil_rays-inl.h>
 #include <rayloom/accel/triangle_determinants.h>
 
+#include <type_traits>
+
 HWY_BEFORE_NAMESPACE();
 namespace rayloom::accel {
 namespace HWY_NAMESPACE {
@@ -268,10 +270,8 @@ struct PacketHits {
 };
 
 template <int half, class Corners>
-HWY_INLINE HalfHits hit_half(const PencilRays& rays, size_t r, const Corners& corners) {
-  return hit_half<half>(rays, r,
-                        PacketTriangle(rays, corners.template corner<half>(0), corners.template corner<half>(1),
-                                       corners.template corner<half>(2)));
+HWY_INLINE PacketTriangle triangle_of(const PencilRays& rays, const Corners& corners) {
+  return {rays, corners.template corner<half>(0), corners.template corner<half>(1), corners.template corner<half>(2)};
 }
 
 /// Hits of the rays `wanted` of a row, which hit triangles of these corners for certain.
@@ -281,8 +281,14 @@ HWY_INLINE PacketHits hit_triangles(const PencilRays& rays, size_t r, const Corn
   const PacketFloats d;
   const HalfVector none = hn::Zero(HalfFloats());
   HalfHits low{none, none, none}, high = low;
-  if (wanted & low_rays) low = hit_half<0>(rays, r, corners);
-  if (wanted & ~low_rays) high = hit_half<1>(rays, r, corners);
+  if constexpr (std::is_same_v<Corners, CommonCorners>) {
+    const PacketTriangle triangle = triangle_of<0>(rays, corners);
+    if (wanted & low_rays) low = hit_half<0>(rays, r, triangle);
+    if (wanted & ~low_rays) high = hit_half<1>(rays, r, triangle);
+  } else {
+    if (wanted & low_rays) low = hit_half<0>(rays, r, triangle_of<0>(rays, corners));
+    if (wanted & ~low_rays) high = hit_half<1>(rays, r, triangle_of<1>(rays, corners));
+  }
   return {hn::Combine(d, high.t, low.t), hn::Combine(d, high.u, low.u), hn::Combine(d, high.v, low.v),
           low.known | high.known << half_size, low.front | high.front << half_size};
 }
