@@ -169,6 +169,20 @@ inline bool look_alike(const RayRun& rays) {
 inline size_t occlude_in_packets(AddressSpace addresses, const RayRun& rays, uint8_t* results) {
   return trace_in_turn<OcclusionPacket>(addresses, rays, results);
 }
+
+/// The same through instances: first at what occluded rays before, as long as that is worth it.
+inline void occlude_by_recent(AddressSpace addresses, const RayRun& rays, uint8_t* results) {
+  Interleaver<Order::stored, true, uint8_t, false, true> first(addresses, rays, results);
+  first.run();
+  const size_t done = first.traced();
+  if (done != rays.count) trace_apart(addresses, rays.part(done, rays.count - done), results + done);
+}
+
+/// Whether to go one of these ways.
+inline bool look_alike_enough(const RayRun& rays, bool flat) {
+  constexpr size_t few = 256;  // hints come from rays that are done
+  return rays.count >= (flat ? packet_size : few) && look_alike(rays);
+}
 #endif
 
 inline void trace_closest(AddressSpace addresses, const RayRun& rays, Hit* hits) {
@@ -220,8 +234,8 @@ inline void occlude_run(AddressSpace addresses, const RayRun& rays, uint8_t* res
   if (!rays.shared->candidate && worth_entering(*rays.shared)) {
 #ifdef HWY_TARGET_INCLUDE
     const bool flat = header_of(rays.shared->structure).kind == StructureKind::triangles;
-    if (flat && rays.count >= packet_size && look_alike(rays)) {
-      occlude_in_packets(addresses, rays, results);
+    if (look_alike_enough(rays, flat)) {
+      flat ? void(occlude_in_packets(addresses, rays, results)) : occlude_by_recent(addresses, rays, results);
       return;
     }
 #endif

@@ -13,6 +13,7 @@
 // clang-format on
 
 #include <rayloom/accel/ray_run.h>
+#include <rayloom/accel/recent_occluders.h>
 #include <rayloom/accel/traverse-inl.h>
 #include <rayloom/accel/visitor.h>
 
@@ -38,6 +39,7 @@ struct alignas(64) Task {
   uint32_t ref;   ///< what comes next
   uint32_t base;  ///< number of stack entries under those of the current level
   bool ended;
+  bool begun;         ///< false: it tries RecentOccluders first, and levels[0] is not ready but for its block
   bool in_triangles;  ///< whether the leaves of the current level are triangles, not instances
   Level* level;       ///< the one of `levels` that `ref` belongs to
   size_t index;       ///< of the ray and its result
@@ -59,9 +61,10 @@ struct alignas(64) Task {
     in_triangles = level->header().kind == StructureKind::triangles;
     return true;
   }
+  template <Order order>
   void leave() {
     level = &levels[0];
-    level->shorten(search);
+    if (order == Order::distance) level->shorten(search);  // else the first hit has ended it all
     base = 1;
     in_triangles = false;
   }
@@ -73,9 +76,12 @@ struct alignas(64) Task {
 };
 
 /// Traces rays whose structure has a root that they want. `instances`: it is a top level. Result: Hit, or for
-/// Order::stored a byte that tells whether the ray hits anything. `lazy`: structures may be.
-template <Order order, bool instances, class Result, bool lazy = false>
+/// Order::stored a byte that tells whether the ray hits anything. `lazy`: structures may be. `hints`: rays that only
+/// ask whether they hit anything try RecentOccluders first.
+template <Order order, bool instances, class Result, bool lazy = false, bool hints = false>
 class Interleaver {
+  static_assert(!hints || (instances && !std::is_same_v<Result, Hit>), "which hit is found depends on what is tried");
+
  public:
   Interleaver(AddressSpace addresses, const RayRun& rays, Result* results)
       : addresses_(addresses), rays_(rays), results_(results), tasks_(new Task[std::min(rays.count, width)]) {}
@@ -94,6 +100,8 @@ class Interleaver {
       visit_others();
     }
   }
+  /// How many rays: all, or so many first ones that hints have shown not to be worth it.
+  size_t traced() const { return next_; }
 
  private:
   static constexpr size_t width = 32;       ///< rays on their way: fewer hide less, more outgrow the first cache
@@ -212,6 +220,12 @@ class Interleaver {
       results_[task.index] = task.search.hit();
     else
       results_[task.index] = task.ended;
+    if (hints && task.ended) recent_.note_occluder(leaf_ref(task.rules.instance));
+  }
+
+  /// Of a leaf of the request's structure.
+  uint32_t leaf_ref(const std::byte* leaf) const {
+    return node_ref::leaf_bit | static_cast<uint32_t>((leaf - rays_.shared->structure) / granule_bytes);
   }
 
   static void note(Offer offer, Task& task) {
@@ -232,22 +246,44 @@ class Interleaver {
       enter_instance(task);
     } else if (instances && task.level == &task.levels[1] && !task.ended) {
       leave_instance(task);
-    } else {
+    } else if (!(hints && !task.begun && !task.ended && begin_missed(task))) {
       write_result(task);
       if (!start_next(task)) return to;
     }
     return file(task, to);
   }
 
+  /// At the root, for a ray that recent occluders do not occlude.
+  bool begin_missed(Task& task) {
+    recent_.note_missed();
+    task.begun = true;
+    return task.enter(0, rays_.shared->structure, bounds_, root_, task.search.ray());
+  }
+
+  /// True: the ray visits first what occluded others.
+  bool try_recent(Task& task) {
+    task.begun = false;
+    task.level = &task.levels[0];
+    task.level->block = rays_.shared->structure;
+    task.base = 1;
+    task.in_triangles = false;
+    task.stack.push(level_end, 0);
+    recent_.push(task.stack);
+    task.pop();
+    return true;
+  }
+
   /// Gives the task the next ray that does not miss at once; false if there is none.
   bool start_next(Task& task) {
-    while (next_ != rays_.count) {
+    while (next_ != rays_.count && !(hints && recent_.given_up())) {
       const Ray& ray = rays_[next_];
       __builtin_prefetch(reinterpret_cast<const std::byte*>(&ray) + rays_ahead * rays_.stride);
       task.index = next_++;
       task.search.restart(ray);
       task.stack.resize(0);
       task.ended = false;
+      if (hints && !recent_.empty() && try_recent(task)) return true;
+      if (hints) task.begun = true;
       if (task.enter(0, rays_.shared->structure, bounds_, root_, ray)) return true;
       write_result(task);
     }
@@ -273,7 +309,7 @@ class Interleaver {
   }
 
   void leave_instance(Task& task) {
-    task.leave();
+    task.template leave<order>();
     if (order == Order::distance) drop_farther(task.stack, task.base, level_of(task).t_far);
     task.pop();
   }
@@ -286,6 +322,7 @@ class Interleaver {
                             instances ? header_of(rays_.shared->structure).pad_scale : 1};
   const uint32_t root_ = start_of<lazy>(header_of(rays_.shared->structure));
   size_t next_ = 0;
+  RecentOccluders recent_;
   std::unique_ptr<Task[]> tasks_;
   Met met_[width];
   List lists_[6];
