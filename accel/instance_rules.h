@@ -6,6 +6,7 @@
 #include <rayloom/accel/layout.h>
 #include <rayloom/accel/ray.h>
 
+#include <array>
 #include <cstddef>
 
 namespace rayloom::accel {
@@ -14,7 +15,7 @@ enum class Outcome : uint8_t { commit, ask, cull };
 
 /// Opacity is resolved in the order of Q-18: geometry, instance, ray, then culling. Where flags that exclude each other
 /// come together, force_opaque wins (RF-19).
-inline Outcome resolve_opacity(bool opaque, uint32_t instance_flags, uint32_t ray_flags) {
+constexpr Outcome resolve_opacity(bool opaque, uint32_t instance_flags, uint32_t ray_flags) {
   if (instance_flags & instance_flag::force_non_opaque) opaque = false;
   if (instance_flags & instance_flag::force_opaque) opaque = true;
   if (ray_flags & ray_flag::force_non_opaque) opaque = false;
@@ -33,7 +34,8 @@ struct alignas(8) HitRules {
   uint16_t unused = 0;
 
   HitRules() = default;
-  HitRules(uint32_t instance_flags, uint32_t ray_flags) {
+  constexpr HitRules(uint32_t instance_flags, uint32_t ray_flags)
+      : outcome(), culled_facing(), swap_facing(), accepts_all() {
     for (const bool opaque : {false, true}) outcome[opaque] = resolve_opacity(opaque, instance_flags, ray_flags);
     const bool cull = !(instance_flags & instance_flag::triangle_cull_disable);
     swap_facing = instance_flags & instance_flag::triangle_front_counterclockwise;
@@ -44,6 +46,14 @@ struct alignas(8) HitRules {
 };
 static_assert(sizeof(HitRules) == 8);
 
+/// The rules outside instances with flags, by the ray flags that matter, which are the lowest eight: most calls for a
+/// single ray need nothing else, and to make them takes 40 instructions.
+inline constexpr auto plain_rules = [] {
+  std::array<HitRules, 256> rules;
+  for (uint32_t flags = 0; flags < rules.size(); ++flags) rules[flags] = HitRules(0, flags);
+  return rules;
+}();
+
 /// Rules of one ray inside one instance, made once on entry.
 struct InstanceRules {
   HitRules hits;
@@ -53,6 +63,9 @@ struct InstanceRules {
   InstanceRules() = default;
   InstanceRules(uint32_t index, uint32_t instance_flags, uint32_t ray_flags, const std::byte* record)
       : hits(instance_flags, ray_flags), instance(record), instance_index(index) {}
+  /// Outside instances.
+  explicit InstanceRules(uint32_t ray_flags)
+      : hits(plain_rules[ray_flags & 0xFF]), instance(nullptr), instance_index(0) {}
 
   Outcome outcome_of(uint32_t geometry_word) const { return hits.outcome[geometry_word >> 24 & geometry_flag::opaque]; }
 };

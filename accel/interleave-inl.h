@@ -209,7 +209,8 @@ class Interleaver {
     }
     Visitor none;
     const TriangleLeaves leaves{task.rules};
-    const Offer offer = leaves.offer_lanes(level_of(task), met.leaf, met.masks, task.search, none);
+    const Offer offer =
+        leaves.offer_lanes(level_of(task), met.leaf, met.masks.possible, met.masks.certain, task.search, none);
     if (offer != Offer::rejected) note(offer, task);
     task.pop();
     return file(task, to, true);
@@ -317,7 +318,7 @@ class Interleaver {
   AddressSpace addresses_;
   const RayRun& rays_;
   Result* results_;
-  const InstanceRules rules_{0, 0, rays_.shared->ray_flags, nullptr};  ///< of a bottom level without instance
+  const InstanceRules rules_{rays_.shared->ray_flags};  ///< of a bottom level without instance
   const BoundsLanes bounds_{header_of(rays_.shared->structure),
                             instances ? header_of(rays_.shared->structure).pad_scale : 1};
   const uint32_t root_ = start_of<lazy>(header_of(rays_.shared->structure));

@@ -196,7 +196,7 @@ class TrianglePacket {
   static constexpr size_t most = 4, groups_each = 8;
 
   TrianglePacket(AddressSpace, const TraceRequest& shared)
-      : block_(shared.structure), rules_(0, 0, shared.ray_flags, nullptr), triangles_(shared, results_) {}
+      : block_(shared.structure), rules_(shared.ray_flags), triangles_(shared, results_) {}
 
   HWY_INLINE uint32_t load(const RayRun& group, uint32_t wanted) {
     const uint32_t taken = triangles_.load(group, wanted, block_, rules_);

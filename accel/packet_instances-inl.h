@@ -95,7 +95,7 @@ class InstancePacket {
   AddressSpace addresses_;
   const TraceRequest& shared_;
   BoundsLanes bounds_;
-  InstanceRules plain_{0, 0, shared_.ray_flags, nullptr};
+  InstanceRules plain_{shared_.ray_flags};
   PacketResults results_;
   PacketTriangles triangles_;
   PacketWalk walk_;

@@ -30,7 +30,7 @@ class OcclusionPacket {
   static constexpr size_t most = 8, groups_each = 1;
 
   OcclusionPacket(AddressSpace, const TraceRequest& shared)
-      : shared_(shared), block_(shared.structure), rules_(0, 0, shared.ray_flags, nullptr) {}
+      : shared_(shared), block_(shared.structure), rules_(shared.ray_flags) {}
 
   HWY_INLINE uint32_t load(const RayRun& group, uint32_t wanted) {
     group_ = group;
@@ -98,7 +98,8 @@ class OcclusionPacket {
     Search search(shared_, ray);
     Visitor none;
     const Level level(block_, ray, 1, search);
-    return TriangleLeaves{rules_}.offer_lanes(level, &leaf, masks, search, none) == Offer::ended;
+    return TriangleLeaves{rules_}.offer_lanes(level, &leaf, masks.possible, masks.certain, search, none) ==
+           Offer::ended;
   }
 
   const TraceRequest& shared_;

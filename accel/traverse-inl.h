@@ -115,10 +115,9 @@ template <Order order>
 
 /// From `ref` down through first children, to a leaf. False where a node has no child that the ray meets.
 template <Order order, class Visitor>
-[[gnu::always_inline]] inline bool descend(const Level& level, uint32_t& ref, TraversalStack& stack, Visitor& visitor) {
-  if (node_ref::is_leaf(ref)) return true;
-  const BoxLanes lanes(level.ray);
-  do {
+[[gnu::always_inline]] inline bool descend(const Level& level, const BoxLanes& lanes, uint32_t& ref,
+                                           TraversalStack& stack, Visitor& visitor) {
+  while (!node_ref::is_leaf(ref)) {
     const Node8& node = level.node(ref);
     const NodeHits hits = test_node(lanes, node, level.t_near, level.t_far);
     alignas(32) float near[8];
@@ -128,8 +127,35 @@ template <Order order, class Visitor>
     const Child next = first_child<order>(hits, node, near, Prefetch{level.block}, stack);
     ref = next.ref;
     visitor.on_pop(ref, next.near, false);
-  } while (!node_ref::is_leaf(ref));
+  }
   return true;
+}
+
+/// Takes from the stack until something is not beyond what has been found. False: nothing is left.
+template <Order order, class Visitor>
+[[gnu::always_inline]] inline bool pop_near(const Level& level, TraversalStack& stack, uint32_t& ref,
+                                            Visitor& visitor) {
+  while (!stack.empty()) {
+    const TraversalStack::Entry top = stack.pop();
+    const bool culled = order == Order::distance && top.near > level.t_far;
+    visitor.on_pop(top.ref, top.near, culled);
+    ref = top.ref;
+    if (!culled) return true;
+  }
+  return false;
+}
+
+/// The next leaf that the ray meets. False: there is none.
+template <Order order, class Visitor>
+[[gnu::always_inline]] inline bool next_leaf(const Level& level, TraversalStack& stack, uint32_t& leaf,
+                                             Visitor& visitor) {
+  if (!pop_near<order>(level, stack, leaf, visitor)) return false;
+  if (node_ref::is_leaf(leaf)) return true;
+  const BoxLanes lanes(level.ray);
+  do {
+    if (descend<order>(level, lanes, leaf, stack, visitor)) return true;
+  } while (pop_near<order>(level, stack, leaf, visitor));
+  return false;
 }
 
 /// Depth first from a node or leaf of one structure. `leaves.visit(level, address, search, visitor)` tests a
@@ -138,12 +164,8 @@ template <Order order, class Leaves, class Visitor>
 bool traverse_subtree(Level& level, uint32_t from, const Leaves& leaves, Search& search, Visitor& visitor) {
   TraversalStack stack;
   stack.push(from, level.t_near);
-  while (!stack.empty()) {
-    auto [ref, near] = stack.pop();
-    const bool culled = order == Order::distance && near > level.t_far;
-    visitor.on_pop(ref, near, culled);
-    if (culled || !descend<order>(level, ref, stack, visitor)) continue;
-    const Offer offer = leaves.visit(level, level.block + node_ref::offset(ref), search, visitor);
+  for (uint32_t leaf; next_leaf<order>(level, stack, leaf, visitor);) {
+    const Offer offer = leaves.visit(level, level.block + node_ref::offset(leaf), search, visitor);
     if (offer == Offer::ended) return true;
     if (offer == Offer::committed) level.shorten(search);
   }
@@ -179,23 +201,23 @@ struct TriangleLeaves {
       visitor.on_triangle_leaf(leaf, 0, 0);
       return Offer::rejected;
     }
-    return offer_lanes(level, leaf, masks, search, visitor);
+    return offer_lanes(level, leaf, masks.possible, masks.certain, search, visitor);
   }
 
   template <class Visitor>
-  Offer offer_lanes(const Level& level, const TriangleLeaf* leaf, const LeafMasks& masks, Search& search,
+  Offer offer_lanes(const Level& level, const TriangleLeaf* leaf, uint32_t possible, uint32_t certain, Search& search,
                     Visitor& visitor) const {
     uint32_t accepted = 0;
     Offer result = Offer::rejected;
-    for (uint32_t left = masks.possible; left != 0 && result != Offer::ended; left &= left - 1) {
+    for (uint32_t left = possible; left != 0 && result != Offer::ended; left &= left - 1) {
       const auto lane = static_cast<uint32_t>(std::countr_zero(left));
-      const auto hit = intersect(level.ray, *leaf, lane, masks.certain >> lane & 1, search.t());
+      const auto hit = intersect(level.ray, *leaf, lane, certain >> lane & 1, search.t());
       if (!hit) continue;
       accepted |= 1u << lane;
       const Offer offer = search.offer_triangle(rules, leaf->geometry_of(lane), leaf->primitive[lane], *hit, visitor);
       result = std::max(result, offer);
     }
-    visitor.on_triangle_leaf(leaf, masks.possible, accepted);
+    visitor.on_triangle_leaf(leaf, possible, accepted);
     return result;
   }
 };
@@ -253,7 +275,8 @@ inline bool wants(const TraceRequest& request, const StructureHeader& header) {
 template <bool lazy = false, class Visitor>
 bool traverse_bottom(const std::byte* block, uint32_t start, const Ray& ray, const InstanceRules& rules, Search& search,
                      Visitor& visitor) {
-  Level level(block, ray, 1, search);
+  Level level;
+  level.start(block, BoundsLanes(header_of(block), 1), ray, search);
   if (!level.ray.valid) return false;
   if (lazy && is_lazy(level.header())) return traverse_ordered(level, start, LazyLeaves{rules}, search, visitor);
   if (level.header().kind == StructureKind::triangles)
@@ -318,7 +341,7 @@ Hit traverse(AddressSpace addresses, const TraceRequest& request, Visitor& visit
   const StructureHeader& header = header_of(request.structure);
   const uint32_t start = start_of<lazy>(header);
   if (start == no_index) return !lazy && is_lazy(header) ? trace_lazily(addresses, request) : search.hit();
-  const InstanceRules rules(0, 0, request.ray_flags, nullptr);
+  const InstanceRules rules(request.ray_flags);
   if (header.kind != StructureKind::instances) {
     if (wants<lazy>(request, header))
       traverse_bottom<lazy>(request.structure, start, request.ray, rules, search, visitor);

@@ -28,7 +28,9 @@ namespace hn = hwy::HWY_NAMESPACE;
 using Floats = hn::FixedTag<float, 8>;
 using Words = hn::FixedTag<uint32_t, 8>;
 using FloatLanes = hn::Vec<Floats>;
+using Ints = hn::FixedTag<int32_t, 8>;
 using WordLanes = hn::Vec<Words>;
+using IntLanes = hn::Vec<Ints>;
 using LaneMask = hn::Mask<Floats>;
 
 /// What box tests read of a ray. Row offsets count floats from the start of a node's or leaf's planes.
@@ -74,20 +76,32 @@ HWY_INLINE LaneMask used_lanes(const uint32_t* primitive) {
   return hn::RebindMask(Floats(), hn::Ne(hn::Load(Words(), primitive), hn::Set(Words(), no_index)));
 }
 
-/// Entry and exit of eight boxes, clipped to [t_near, t_far]; entry > exit: missed.
+/// Entry and exit of eight boxes, clipped to [t_near, t_far]; entry > exit: missed. See scalar::BoxInterval.
 struct BoxIntervals {
-  FloatLanes entry, exit;
+  IntLanes entry, exit;
+  HWY_INLINE LaneMask met() const {
+#if HWY_TARGET == HWY_AVX3
+    return LaneMask::FromBits(_mm256_cmple_epi32_mask(entry.raw, exit.raw));
+#else
+    return hn::RebindMask(Floats(), hn::Not(hn::Gt(entry, exit)));
+#endif
+  }
 };
+
+HWY_INLINE IntLanes planes_crossed(const float* planes, FloatLanes reciprocal, FloatLanes offset) {
+  return hn::BitCast(Ints(), hn::MulAdd(hn::Load(Floats(), planes), reciprocal, offset));
+}
 
 HWY_INLINE BoxIntervals box_intervals(const BoxLanes& ray, const float* planes, float t_near, float t_far) {
   const Floats d;
-  FloatLanes entry[3], exit[3];
+  IntLanes entry[3], exit[3];
   for (int k = 0; k < 3; ++k) {
-    entry[k] = hn::MulAdd(hn::Load(d, planes + ray.near_row[k]), ray.reciprocal[k], ray.near_offset[k]);
-    exit[k] = hn::MulAdd(hn::Load(d, planes + ray.far_row[k]), ray.reciprocal[k], ray.far_offset[k]);
+    entry[k] = planes_crossed(planes + ray.near_row[k], ray.reciprocal[k], ray.near_offset[k]);
+    exit[k] = planes_crossed(planes + ray.far_row[k], ray.reciprocal[k], ray.far_offset[k]);
   }
-  return {hn::Max(hn::Max(entry[0], entry[1]), hn::Max(entry[2], hn::Set(d, t_near))),
-          hn::Min(hn::Min(exit[0], exit[1]), hn::Min(exit[2], hn::Set(d, t_far)))};
+  const IntLanes near = hn::BitCast(Ints(), hn::Set(d, t_near)), far = hn::BitCast(Ints(), hn::Set(d, t_far));
+  return {hn::Max(hn::Max(entry[0], entry[1]), hn::Max(entry[2], near)),
+          hn::Min(hn::Min(exit[0], exit[1]), hn::Min(exit[2], far))};
 }
 
 /// See scalar::NodeHits. A key is a rounded entry distance, which is not negative, with the lane in its low bits.
@@ -105,14 +119,14 @@ HWY_INLINE NodeHits test_node(const BoxLanes& ray, const Node8& node, float t_ne
   const Words w;
   const BoxIntervals intervals = box_intervals(ray, &node.bounds[0][0][0], t_near, t_far);
   const WordLanes rounded = hn::And(hn::BitCast(w, intervals.entry), hn::Set(w, ~7u));
-  const LaneMask met = hn::Le(intervals.entry, intervals.exit);
+  const LaneMask met = intervals.met();
   return {mask_bits(met), met, hn::Or(rounded, hn::Iota(w, 0))};
 }
 
 /// See scalar::test_boxes().
 HWY_INLINE uint32_t test_boxes(const BoxLanes& ray, const ProceduralLeaf8& leaf, float t_near, float t_far) {
   const BoxIntervals intervals = box_intervals(ray, &leaf.bounds[0][0][0], t_near, t_far);
-  return mask_bits(hn::And(hn::Le(intervals.entry, intervals.exit), used_lanes(leaf.primitive)));
+  return mask_bits(hn::And(intervals.met(), used_lanes(leaf.primitive)));
 }
 
 /// One vertex of eight triangles in the ray's sheared frame.

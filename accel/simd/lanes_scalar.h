@@ -41,25 +41,26 @@ struct TriangleLanes {
   const PreparedRay* ray;
 };
 
-// MAXPS and MINPS, which return the second operand when the operands are unordered or equal.
-inline float max_lane(float a, float b) { return a > b ? a : b; }
-inline float min_lane(float a, float b) { return a < b ? a : b; }
-
-/// Entry and exit of box `lane` of bounds[axis][side][lane], clipped to [t_near, t_far]; entry > exit: missed.
+/// Entry and exit of box `lane` of bounds[axis][side][lane], clipped to [t_near, t_far], as the bits of floats; entry >
+/// exit: missed. Signed integers compare like the floats whose bits they are where one of the two is not negative,
+/// which t_near makes every entry and what a ray meets makes every exit; they take a quarter of the time.
 struct BoxInterval {
-  float entry, exit;
+  int32_t entry, exit;
 };
+
+inline int32_t plane_crossed(float plane, float reciprocal, float offset) {
+  return std::bit_cast<int32_t>(std::fma(plane, reciprocal, offset));
+}
 
 inline BoxInterval box_interval(const PreparedRay& ray, const float (&bounds)[3][2][8], int lane, float t_near,
                                 float t_far) {
-  float entry[3], exit[3];
-  for (int axis = 0; axis < 3; ++axis) {
+  int32_t entry = std::bit_cast<int32_t>(t_near), exit = std::bit_cast<int32_t>(t_far);
+  for (int k = 0; k < 3; ++k) {
     const float* const planes = &bounds[0][0][lane];
-    entry[axis] = std::fma(planes[ray.near_row[axis]], ray.reciprocal[axis], ray.near_offset[axis]);
-    exit[axis] = std::fma(planes[ray.far_row(axis)], ray.reciprocal[axis], ray.far_offset[axis]);
+    entry = std::max(entry, plane_crossed(planes[ray.near_row[k]], ray.reciprocal[k], ray.near_offset[k]));
+    exit = std::min(exit, plane_crossed(planes[ray.far_row(k)], ray.reciprocal[k], ray.far_offset[k]));
   }
-  return {max_lane(max_lane(entry[0], entry[1]), max_lane(entry[2], t_near)),
-          min_lane(min_lane(exit[0], exit[1]), min_lane(exit[2], t_far))};
+  return {entry, exit};
 }
 
 /// The children whose boxes the ray may meet. Their entry distances are rounded down to multiples of eight units in the
@@ -71,7 +72,7 @@ struct NodeHits {
   void store_near(float (&out)[8]) const { std::copy_n(near, 8, out); }
 };
 
-inline float round_entry(float entry) { return std::bit_cast<float>(std::bit_cast<uint32_t>(entry) & ~7u); }
+inline float round_entry(int32_t entry) { return std::bit_cast<float>(entry & ~7); }
 
 /// Boxes met in [t_near, t_far], both in box space: near_limit(), far_limit().
 inline NodeHits test_node(const BoxLanes& lanes, const Node8& node, float t_near, float t_far) {
@@ -117,6 +118,10 @@ struct EdgeFilter {
 inline float flip(float value, float sign) {
   return std::bit_cast<float>(std::bit_cast<uint32_t>(value) ^ std::bit_cast<uint32_t>(sign));
 }
+
+// MAXPS and MINPS, which return the second operand when the operands are unordered or equal.
+inline float max_lane(float a, float b) { return a > b ? a : b; }
+inline float min_lane(float a, float b) { return a < b ? a : b; }
 
 inline EdgeFilter filter_triangle(const PreparedRay& ray, const TriangleLeaf& leaf, uint32_t lane, float sign) {
   float x[3], y[3], z[3];
