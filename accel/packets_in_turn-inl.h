@@ -116,7 +116,7 @@ class PacketsInTurn {
   uint32_t wanted_ = everyone();  ///< of the group at next_
   size_t skipped_ = 0;            ///< groups left unasked after the last that did not go together
   Slot first_;
-  std::vector<Slot> more_;
+  std::vector<Slot> more_;  ///< reserved at once: packets refer to their own members, so slots stay where they are
 };
 
 }  // namespace rayloom::accel::HWY_NAMESPACE

@@ -71,10 +71,8 @@ struct FirstOnes {
 
 template <uint32_t vertex>
 HWY_INLINE void find_first_ones(const IndexLanes& first, uint32_t used, FirstOnes& ones) {
-  const Words d;
-  uint8_t bits = 0;
-  hn::StoreMaskBits(d, hn::Eq(first.vertex[vertex], hn::Iota(d, triangle_lanes * vertex)), &bits);
-  ones.bits[vertex] = bits & used;
+  const auto is_first = hn::Eq(first.vertex[vertex], hn::Iota(Words(), triangle_lanes * vertex));
+  ones.bits[vertex] = mask_bits(hn::RebindMask(Floats(), is_first)) & used;
   ones.count[vertex] = static_cast<uint32_t>(std::popcount(ones.bits[vertex]));
 }
 

@@ -96,8 +96,7 @@ class KeyMaker {
     const WordLanes code = hn::Or(hn::Or(hn::ShiftLeft<1>(x), y), hn::ShiftLeft<2>(z));
     const WordLanes number = hn::Iota(Words(), range_.first_number + first);
     MortonKey keys[triangle_lanes];
-    uint8_t mask = 0;
-    hn::StoreMaskBits(d, keep, &mask);
+    const uint32_t mask = mask_bits(keep);
     if (mask == 0xFF) {
       hn::StoreInterleaved2(code, number, Words(), reinterpret_cast<uint32_t*>(out));
       return out + triangle_lanes;

@@ -1,7 +1,7 @@
 // Eight triangles read at once, re-included once per target by Highway's foreach_target.h. For geometries that
 // vectors_read() accepts; what is computed has the bits of triangle_numbers.h.
 
-// clang-format off: the guard flips for each target, and highway.h must come after foreach_target.h.
+// clang-format off: the guard flips for each target.
 #if defined(RAYLOOM_ACCEL_TRIANGLE_LANES_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef RAYLOOM_ACCEL_TRIANGLE_LANES_INL_H_
 #undef RAYLOOM_ACCEL_TRIANGLE_LANES_INL_H_
@@ -12,8 +12,7 @@
 
 #include <rayloom/accel/build_input.h>
 #include <rayloom/accel/read_ahead.h>
-
-#include <hwy/highway.h>
+#include <rayloom/accel/simd/lanes-inl.h>
 
 #include <algorithm>
 #include <cstring>
@@ -24,13 +23,6 @@ namespace HWY_NAMESPACE {
 
 #if HWY_TARGET == HWY_AVX2 || HWY_TARGET == HWY_AVX3
 
-namespace hn = hwy::HWY_NAMESPACE;
-using Floats = hn::FixedTag<float, 8>;
-using Words = hn::FixedTag<uint32_t, 8>;
-using Ints = hn::FixedTag<int32_t, 8>;
-using FloatLanes = hn::Vec<Floats>;
-using WordLanes = hn::Vec<Words>;
-using LaneMask = hn::Mask<Floats>;
 inline constexpr uint32_t triangle_lanes = 8;
 
 /// As read_ahead, for reads of 96 bytes at a time.

@@ -299,13 +299,8 @@ TEST_CASE("shadow rays among rays that do not go together") {
 
 TEST_CASE("shadow rays of needles and of axis-parallel grids") {
   Random random(13);
-  Mesh needles;
-  for (uint32_t i = 0; i < 3000; ++i) {
-    const Point a = {random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1)};
-    const Point b = {a[0] + random.uniform(-1, 1), a[1] + random.uniform(-1, 1), a[2] + random.uniform(-0.1f, 0.1f)};
-    needles.add_triangle(a, b, {b[0] + 1e-2f, b[1] + random.uniform(-1e-3f, 1e-3f), b[2]});
-  }
-  CHECK(compare(build_mesh(needles), shadows(64, {0.3f, 0.2f, 4}, 0.05f, random)).hits > 100);
+  CHECK(compare(build_mesh(needles(3000, 1e-2f, 1e-3f, random)), shadows(64, {0.3f, 0.2f, 4}, 0.05f, random)).hits >
+        100);
   std::vector<Ray> rays;
   for (int i = 0; i < 1024; ++i) {
     const auto column = static_cast<float>(i % 32), row = static_cast<float>(i / 32);

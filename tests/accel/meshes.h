@@ -2,6 +2,8 @@
 
 // Meshes for the accel tests, all made here. Closed ones are consistently indexed: a shared vertex is one vertex.
 
+#include "random.h"
+
 #include <rayloom/accel/build_input.h>
 
 #include <algorithm>
@@ -41,6 +43,17 @@ struct Mesh {
     triangles.push_back({i, i + 1, i + 2});
   }
 };
+
+/// Long thin triangles in [-2, 2]^3, at one end `width` by twice `height` wide.
+inline Mesh needles(uint32_t count, float width, float height, Random& random) {
+  Mesh mesh;
+  for (uint32_t i = 0; i < count; ++i) {
+    const Point a = {random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1)};
+    const Point b = {a[0] + random.uniform(-1, 1), a[1] + random.uniform(-1, 1), a[2] + random.uniform(-0.1f, 0.1f)};
+    mesh.add_triangle(a, b, {b[0] + width, b[1] + random.uniform(-height, height), b[2]});
+  }
+  return mesh;
+}
 
 /// v * scale + offset, in float as a user would.
 inline Mesh moved(Mesh mesh, float scale, float offset) {

@@ -115,16 +115,6 @@ std::vector<Ray> towards(const Point& eye, const std::vector<Point>& targets, in
   return rays;
 }
 
-Mesh needles(uint32_t count, Random& random) {
-  Mesh mesh;
-  for (uint32_t i = 0; i < count; ++i) {
-    const Point a = {random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1)};
-    const Point b = {a[0] + random.uniform(-1, 1), a[1] + random.uniform(-1, 1), a[2] + random.uniform(-0.1f, 0.1f)};
-    mesh.add_triangle(a, b, {b[0] + 1e-5f, b[1] + random.uniform(-1e-4f, 1e-4f), b[2]});
-  }
-  return mesh;
-}
-
 }  // namespace
 
 TEST_CASE("camera rays go in packets and find what single rays find") {
@@ -206,7 +196,7 @@ TEST_CASE("axis-parallel packets on grids, where every hit is a tie") {
 
 TEST_CASE("packets through needles") {
   Random random(3);
-  const Block block = build_mesh(needles(2000, random));
+  const Block block = build_mesh(needles(2000, 1e-5f, 1e-4f, random));
   const auto rays = camera({0.1f, 0.2f, 3}, {0, 0, 0}, 1, 128);
   const Outcomes outcomes = compare(block, rays);
   CHECK(outcomes.in_packets > rays.size() * 9 / 10);
