@@ -18,11 +18,12 @@ class CurveTree {
     if (subtree.count <= max_sweep) return build_sequence(refs, leaf_size, subtree, tree_, sorts);
     const auto code_of = [&](uint32_t i) { return input_.curve.code(input_.refs[subtree.first + i]); };
     const uint32_t cut = curve_cut(keys.subspan(subtree.first, subtree.count), subtree, leaf_size, code_of);
-    const auto [left, right] = halves_of(subtree, cut, leaf_size);
+    const auto halves = halves_of(subtree, cut, leaf_size);
     Box4 box, other;
-    build_halves(left, right, [&](const Subtree& half) { (half.slot == left.slot ? box : other) = build(half); });
+    build_halves(halves.first, halves.second,
+                 [&](const Subtree& half) { (half.slot == halves.first.slot ? box : other) = build(half); });
     box.extend(other);
-    store(box, subtree.first, subtree.count, right.slot, tree_[subtree.slot]);
+    store(box, subtree.first, subtree.count, halves.second.slot, tree_[subtree.slot]);
     return box;
   }
 

@@ -39,11 +39,13 @@ inline bool never_asks(const TraceRequest& request) {
          !(request.ray_flags & ray_flag::force_non_opaque);
 }
 
-/// Whether two requests can be in one run. `silent`: never_asks(a). Others with a candidate function cannot: its calls
-/// come ray by ray.
+/// Whether a request's candidate function may be called, ray by ray: then it is a run of its own.
+inline bool goes_alone(const TraceRequest& request) { return request.candidate && !never_asks(request); }
+
+/// Whether two requests can be in one run. `silent`: never_asks(a); otherwise `a` has no candidate function.
 inline bool same_run(const TraceRequest& a, const TraceRequest& b, bool silent) {
   return a.structure == b.structure && a.ray_flags == b.ray_flags && a.instance_mask == b.instance_mask &&
-         (silent | (!a.candidate & !b.candidate));
+         (silent || !b.candidate);
 }
 
 }  // namespace rayloom::accel

@@ -15,6 +15,7 @@
 #include <rayloom/accel/layout.h>
 #include <rayloom/accel/prepared_ray.h>
 #include <rayloom/accel/simd/lane_masks.h>
+#include <rayloom/accel/simd/mask_bits-inl.h>
 
 #include <hwy/highway.h>
 
@@ -66,11 +67,7 @@ struct TriangleLanes {
   uint32_t axis[3];
 };
 
-HWY_INLINE uint32_t mask_bits(LaneMask mask) {
-  uint8_t bits = 0;
-  hn::StoreMaskBits(Floats(), mask, &bits);
-  return bits;
-}
+HWY_INLINE uint32_t mask_bits(LaneMask mask) { return bits_of(Floats(), mask); }
 
 HWY_INLINE LaneMask used_lanes(const uint32_t* primitive) {
   return hn::RebindMask(Floats(), hn::Ne(hn::Load(Words(), primitive), hn::Set(Words(), no_index)));

@@ -231,13 +231,6 @@ HWY_INLINE HalfVector round_quotient(DoubleVector numerator, DoubleVector error,
   return hn::Add(low, hn::Zero(narrow));
 }
 
-template <class D, class M>
-HWY_INLINE uint32_t half_bits(D d, M mask) {
-  uint8_t bits = 0;
-  hn::StoreMaskBits(d, mask, &bits);
-  return bits;
-}
-
 /// The quotients of triangle.cpp, for certain hits.
 template <int half>
 HWY_INLINE HalfHits hit_half(const PencilRays& rays, size_t r, const PacketTriangle& triangle) {
@@ -259,8 +252,8 @@ HWY_INLINE HalfHits hit_half(const PencilRays& rays, size_t r, const PacketTrian
   hits.t = round_quotient(triangle.depth, triangle.depth_error, inverse, known);
   hits.u = round_quotient(u, u_error, inverse, known);
   hits.v = round_quotient(v, v_error, inverse, known);
-  hits.known = half_bits(narrow, known);
-  hits.front = half_bits(d, hn::Lt(area, hn::Zero(d)));
+  hits.known = bits_of(narrow, known);
+  hits.front = bits_of(d, hn::Lt(area, hn::Zero(d)));
   return hits;
 }
 

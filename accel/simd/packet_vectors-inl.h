@@ -36,11 +36,7 @@ using PacketMask = hn::Mask<PacketFloats>;
 
 inline constexpr uint32_t all_rays = PacketBits(~0u);
 
-HWY_INLINE uint32_t packet_bits(PacketMask mask) {
-  PacketBits bits = 0;
-  hn::StoreMaskBits(PacketFloats(), mask, reinterpret_cast<uint8_t*>(&bits));
-  return bits;
-}
+HWY_INLINE uint32_t packet_bits(PacketMask mask) { return bits_of(PacketFloats(), mask); }
 
 HWY_INLINE PacketMask packet_mask(uint32_t rays) {
   const auto bits = static_cast<PacketBits>(rays);

@@ -13,6 +13,7 @@
 #include <rayloom/accel/layout.h>
 #include <rayloom/accel/prepared_ray.h>
 #include <rayloom/accel/ray_scale.h>
+#include <rayloom/accel/simd/mask_bits-inl.h>
 
 #include <hwy/highway.h>
 
@@ -68,9 +69,7 @@ HWY_INLINE void prepare_axes(hn::Vec<Axes> origin, hn::Vec<Axes> direction, hn::
   alignas(16) static constexpr uint32_t orders[3][4] = {{1, 2, 0, 0}, {2, 0, 1, 1}, {0, 1, 2, 2}};
   const Axes d;
   const auto equal = hn::Eq(magnitude, hn::Set(d, longest));
-  uint8_t bits = 0;
-  hn::StoreMaskBits(d, equal, &bits);
-  const uint32_t* const order = orders[std::countr_zero(static_cast<uint32_t>(bits))];
+  const uint32_t* const order = orders[std::countr_zero(bits_of(d, equal))];
   const auto indices = hn::SetTableIndices(d, reinterpret_cast<const int32_t*>(order));
   const auto ordered = hn::TableLookupLanes(direction, indices);
   const auto shear = hn::Div(ordered, hn::Broadcast<2>(ordered));
