@@ -106,11 +106,18 @@ class RefGatherer {
   HWY_INLINE void read_indices(size_t first) {
     read_ahead(&keys_[first]);
     ask_for_indices(first + ahead);
-    const TriangleGeometry& geometry = *range_.geometry;
     const IndexLanes indices = read_[first % ahead / triangle_lanes] = reader_.indices(primitives(first));
     uint32_t vertex[triangle_lanes];
     hn::StoreU(indices.vertex[0], Words(), vertex);
-    for (const uint32_t index : vertex) __builtin_prefetch(geometry.vertices + geometry.vertex_stride * index);
+    for (const uint32_t index : vertex) ask_for_vertex(index);
+  }
+
+  /// The address is a number, not a pointer: an index may be out of range. Of a stride 32 bits count (BI-05).
+  HWY_INLINE void ask_for_vertex(uint32_t index) const {
+    const TriangleGeometry& geometry = *range_.geometry;
+    const auto first = reinterpret_cast<uintptr_t>(geometry.vertices);
+    const uint64_t offset = uint64_t{index} * static_cast<uint32_t>(geometry.vertex_stride);
+    __builtin_prefetch(reinterpret_cast<const void*>(first + offset));
   }
 
   HWY_INLINE void ask_for_indices(size_t first) const {
