@@ -255,8 +255,9 @@ inline void trace_batch(AddressSpace addresses, std::span<const TraceRequest> re
   constexpr size_t longest_run = 2048;
   for (size_t begin = 0; begin < requests.size();) {
     size_t end = begin + 1;
-    const size_t last = goes_alone(requests[begin]) ? end : std::min(requests.size(), begin + longest_run);
     const bool silent = never_asks(requests[begin]);
+    const bool goes_alone = requests[begin].candidate && !silent;
+    const size_t last = goes_alone ? end : std::min(requests.size(), begin + longest_run);
     while (end < last && same_run(requests[begin], requests[end], silent)) ++end;
     trace_run(addresses, run_of(requests.subspan(begin, end - begin)), &hits[begin]);
     begin = end;

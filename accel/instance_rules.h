@@ -49,6 +49,7 @@ static_assert(sizeof(HitRules) == 8);
 /// The rules outside instances with flags, by the ray flags that matter, which are the lowest eight: most calls for a
 /// single ray need nothing else, and to make them takes 40 instructions.
 inline constexpr auto plain_rules = [] {
+  static_assert(ray_flag::cull_non_opaque == 0x80, "the highest flag that HitRules reads");
   std::array<HitRules, 256> rules;
   for (uint32_t flags = 0; flags < rules.size(); ++flags) rules[flags] = HitRules(0, flags);
   return rules;

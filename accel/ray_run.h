@@ -39,10 +39,8 @@ inline bool never_asks(const TraceRequest& request) {
          !(request.ray_flags & ray_flag::force_non_opaque);
 }
 
-/// Whether a request's candidate function may be called, ray by ray: then it is a run of its own.
-inline bool goes_alone(const TraceRequest& request) { return request.candidate && !never_asks(request); }
-
-/// Whether two requests can be in one run. `silent`: never_asks(a); otherwise `a` has no candidate function.
+/// Whether two requests can be in one run. `silent`: never_asks(a); otherwise `a` has no candidate function, which
+/// would be called ray by ray.
 inline bool same_run(const TraceRequest& a, const TraceRequest& b, bool silent) {
   return a.structure == b.structure && a.ray_flags == b.ray_flags && a.instance_mask == b.instance_mask &&
          (silent || !b.candidate);

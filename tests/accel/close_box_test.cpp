@@ -13,13 +13,6 @@ using namespace rayloom::accel::test;
 
 namespace {
 
-using Matrix = float[3][4];
-
-void random_matrix(Random& random, Matrix& m) {
-  for (auto& row : m)
-    for (float& x : row) x = random.chance(4) ? 0 : random.scaled(-6, 6);
-}
-
 Box bounds_of(const Block& block) {
   Box box;
   box.extend(block.header().bounds_min, block.header().bounds_max);

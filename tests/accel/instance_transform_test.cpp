@@ -9,17 +9,6 @@
 using namespace rayloom::accel;
 using namespace rayloom::accel::test;
 
-namespace {
-
-using Matrix = float[3][4];
-
-void random_matrix(Random& random, Matrix& m) {
-  for (auto& row : m)
-    for (float& x : row) x = random.scaled(-6, 6);
-}
-
-}  // namespace
-
 TEST_CASE("inverses of permutations, mirrors and powers of two are exact") {
   const Matrix m{{0, -4, 0, 8}, {0.5f, 0, 0, -3}, {0, 0, 16, 32}};
   const auto inverse = invert(m);

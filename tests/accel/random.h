@@ -50,4 +50,12 @@ class Random {
   std::mt19937_64 engine_;
 };
 
+using Matrix = float[3][4];
+
+/// Of 12 numbers of any size; some are 0, so that some have no inverse.
+inline void random_matrix(Random& random, Matrix& m) {
+  for (auto& row : m)
+    for (float& x : row) x = random.chance(4) ? 0 : random.scaled(-6, 6);
+}
+
 }  // namespace rayloom::accel::test
