@@ -17,15 +17,18 @@ constexpr size_t most_kept = size_t{256} << 20;
 
 size_t whole_pages(size_t bytes) { return (bytes + huge_page - 1) / huge_page * huge_page; }
 
-void* allocate_pages(size_t bytes) {
-  void* const memory = ::operator new (bytes, std::align_val_t{huge_page});
+struct FreePages {
+  void operator()(void* memory) const { ::operator delete (memory, std::align_val_t{huge_page}); }
+};
+using Pages = std::unique_ptr<void, FreePages>;
+
+Pages allocate_pages(size_t bytes) {
+  Pages memory(::operator new (bytes, std::align_val_t{huge_page}));
 #if defined(__linux__)
-  madvise(memory, bytes, MADV_HUGEPAGE);  // a hint: failure costs time only
+  madvise(memory.get(), bytes, MADV_HUGEPAGE);  // a hint: failure costs time only
 #endif
   return memory;
 }
-
-void free_pages(void* memory) { ::operator delete (memory, std::align_val_t{huge_page}); }
 
 /// Freed blocks for the next build, so that it need not wait for the system to clear new pages.
 class Pool {
@@ -40,16 +43,18 @@ class Pool {
       if (block->bytes >= bytes && block->bytes <= 2 * bytes && (best == blocks_.end() || block->bytes < best->bytes))
         best = block;
     if (best == blocks_.end()) return nullptr;
-    void* const memory = best->memory;
-    kept_ -= best->bytes;
     in_use_.push_back(*best);
+    kept_ -= best->bytes;
     blocks_.erase(best);
-    return memory;
+    return in_use_.back().memory;
   }
 
-  void add(void* memory, size_t bytes) {
+  void* add(Pages memory, size_t bytes) {
     const std::lock_guard lock(mutex_);
-    in_use_.push_back({memory, bytes});
+    in_use_.reserve(in_use_.size() + 1);
+    blocks_.reserve(blocks_.size() + in_use_.size() + 1);  // give_back() must not fail
+    in_use_.push_back({memory.get(), bytes});
+    return memory.release();
   }
 
   void give_back(void* memory) {
@@ -76,7 +81,7 @@ class Pool {
   };
   void drop(const Block& block) {
     kept_ -= block.bytes;
-    free_pages(block.memory);
+    FreePages{}(block.memory);
   }
 
   std::mutex mutex_;
@@ -95,9 +100,7 @@ void* detail::allocate_scratch(size_t bytes) {
   if (bytes < huge_page) return ::operator new(bytes);
   const size_t pages = whole_pages(bytes);
   if (void* const kept = pool().take(pages)) return kept;
-  void* const memory = allocate_pages(pages);
-  pool().add(memory, pages);
-  return memory;
+  return pool().add(allocate_pages(pages), pages);
 }
 
 void detail::free_scratch(void* memory, size_t bytes) {

@@ -158,18 +158,21 @@ TEST_CASE("a batch may mix structures, flags and rays with candidate functions")
   const auto accept_small = [](void*, const Candidate& candidate) noexcept -> Verdict {
     return {candidate.primitive_index % 2 == 0, false, candidate.t, candidate.hit_kind};
   };
+  constexpr uint32_t masks[] = {0xFF, 0x1, 0x2, 0xFFFFFF05};
+  const auto structures = scene.structures();
   Random random(9);
+  const auto any = [&](const auto& of) { return of[random.below(static_cast<uint32_t>(std::size(of)))]; };
+  TraceRequest next = request_for(*structures[0], {});
   std::vector<TraceRequest> requests;
   for (const Ray& ray : mixed_rays(77, 3000)) {
-    const auto structures = scene.structures();
-    if (requests.empty() || random.chance(3)) {
-      requests.push_back(request_for(*structures[random.below(static_cast<uint32_t>(structures.size()))], ray,
-                                     flag_sets[random.below(std::size(flag_sets))]));
-      if (random.chance(4)) requests.back().candidate = accept_small;
-    } else {
-      requests.push_back(requests.back());
-      requests.back().ray = ray;
-    }
+    // One thing at a time: requests that differ in that alone stand side by side.
+    const uint32_t change = random.below(9);
+    if (change == 0) next.structure = any(structures)->data();
+    if (change == 1) next.ray_flags = any(flag_sets);
+    if (change == 2) next.instance_mask = any(masks);
+    if (change == 3) next.candidate = next.candidate ? nullptr : +accept_small;
+    requests.push_back(next);
+    requests.back().ray = ray;
   }
   for_each_isa([&](Isa) {
     std::vector<Hit> alone, batch(requests.size());

@@ -71,6 +71,21 @@ TEST_CASE("a close box holds every vertex with its margin and lies in the box of
   }
 }
 
+TEST_CASE("boxes hold objects that are too small for doubles to tell from where they are") {
+  Random random(93);
+  const Mesh mesh = moved(bumpy_sphere(2), 0x1p-57f, 0);
+  const Block block = build_mesh(mesh);
+  for (int i = 0; i < 100; ++i) {
+    Matrix m;
+    random_matrix(random, m);
+    for (auto& row : m) row[3] = random.chance(2) ? 1.0f : -2.0f;
+    for (const int levels : {0, 3}) {
+      const Box box = close_world_box(m, block.data(), levels);
+      for (const Point& vertex : mesh.vertices) REQUIRE(holds(box, m, vertex));
+    }
+  }
+}
+
 TEST_CASE("a turned ball's box is hardly larger than the ball") {
   const Block ball = build_mesh(icosphere(4));
   const float c = 0.70710678f;

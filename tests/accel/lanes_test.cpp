@@ -30,6 +30,7 @@ struct LaneFunctions {
   void (*push)(const PreparedRay&, const Node8&, float t_near, float t_far, bool by_distance, TraversalStack&);
   void (*drop)(TraversalStack&, uint32_t base, float t_far);
   std::optional<TriangleHit> (*hit)(const PreparedRay&, const TriangleLeaf&, uint32_t lane, float t_far);
+  void (*determinants)(const PreparedRay&, const TriangleLeaf&, uint32_t lane, double value[4], double error[4]);
 };
 
 }  // namespace rayloom::accel
@@ -76,8 +77,16 @@ std::optional<TriangleHit> run_hit(const PreparedRay& ray, const TriangleLeaf& l
   return hit_lane(ray, leaf, lane, t_far);
 }
 
+void run_determinants(const PreparedRay& ray, const TriangleLeaf& leaf, uint32_t lane, double value[4],
+                      double error[4]) {
+  const LaneDeterminants determinants(ray, leaf, lane);
+  hn::StoreU(determinants.value, WideAxes(), value);
+  hn::StoreU(determinants.error, WideAxes(), error);
+}
+
 LaneFunctions lane_functions() {
-  return {run_node, run_boxes, run_triangles, run_prepare, run_object_ray, run_push, run_drop, run_hit};
+  return {run_node, run_boxes, run_triangles, run_prepare,     run_object_ray,
+          run_push, run_drop,  run_hit,       run_determinants};
 }
 
 #endif
@@ -90,7 +99,9 @@ HWY_AFTER_NAMESPACE();
 
 #include <rayloom/accel/simd/children_scalar.h>
 
+#include <array>
 #include <catch2/catch.hpp>
+#include <cmath>
 #include <cstdio>
 #include <cstring>
 #include <vector>
@@ -301,6 +312,44 @@ TEST_CASE("certain hits have the same bits on every target", "[unit]") {
     }
     CHECK(hits > 10000);
     CHECK(outside > 1000);
+  }
+}
+
+/// The bounds of docs/numerics.md, 2.2, on the errors of t's, u's, v's and the area's determinant, with what covers the
+/// division.
+std::array<double, 4> proved_errors(const PreparedRay& ray, const TriangleLeaf& leaf, uint32_t lane,
+                                    const double (&value)[4]) {
+  double edge1 = 0, edge2 = 0, point = 0;
+  for (uint32_t k = 0; k < 3; ++k) {
+    const double v0 = leaf.coordinate(0, k, lane);
+    edge1 += std::fabs(double{leaf.coordinate(1, k, lane)} - v0);
+    edge2 += std::fabs(double{leaf.coordinate(2, k, lane)} - v0);
+    point += std::fabs(v0 - double{ray.origin[k]});
+  }
+  const double reach = point + edge1 + edge2, depth = std::fabs(double{ray.direction[ray.axis[2]]});
+  const double rounding = 8 * 0x1p-53, division = std::fabs(value[3]);
+  return {rounding * (3 * edge1 * edge2 * reach + std::fabs(value[0])), rounding * (edge2 * reach * depth + division),
+          rounding * (edge1 * reach * depth + division), rounding * (edge1 * edge2 * depth + division)};
+}
+
+TEST_CASE("errors of a certain hit's determinants are allowed for as the proof demands", "[unit]") {
+  for (const auto& target : targets()) {
+    Random random(33);
+    int lanes = 0;
+    for (int i = 0; i < 20000; ++i) {
+      const test::LeafCase c = test::random_leaf_case(random);
+      for (uint32_t left = target.functions.triangles(c.ray, c.leaf, c.ray.t_max).certain; left != 0;
+           left &= left - 1) {
+        const auto lane = static_cast<uint32_t>(std::countr_zero(left));
+        double value[4], error[4];
+        target.functions.determinants(c.ray, c.leaf, lane, value, error);
+        const std::array<double, 4> proved = proved_errors(c.ray, c.leaf, lane, value);
+        INFO(isa_name(target.isa) << ", case " << i << ", lane " << lane);
+        for (int k = 0; k < 4; ++k) REQUIRE(std::fabs(error[k] - proved[k]) <= 1e-14 * proved[k]);
+        ++lanes;
+      }
+    }
+    CHECK(lanes > 2000);
   }
 }
 

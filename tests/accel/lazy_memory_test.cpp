@@ -1,27 +1,10 @@
-// A lazy structure when memory runs out while rays build its parts. This program's operator new can be told to fail.
+// A lazy structure when memory runs out while rays build its parts.
+
+#include "failing_memory.h"
 
 #include <catch2/catch.hpp>
 
-#include <atomic>
-#include <cstdlib>
-#include <new>
-
 #include "structures.h"
-
-namespace {
-
-std::atomic<bool> memory_is_out = false;
-
-}  // namespace
-
-[[gnu::noinline]] void* operator new(size_t bytes) {
-  if (memory_is_out) throw std::bad_alloc();
-  if (void* const memory = std::malloc(bytes)) return memory;
-  throw std::bad_alloc();
-}
-[[gnu::noinline]] void* operator new(size_t bytes, const std::nothrow_t&) noexcept { return std::malloc(bytes); }
-[[gnu::noinline]] void operator delete(void* memory) noexcept { std::free(memory); }
-[[gnu::noinline]] void operator delete(void* memory, size_t) noexcept { std::free(memory); }
 
 using namespace rayloom::accel;
 using namespace rayloom::accel::test;
@@ -32,13 +15,12 @@ namespace {
 std::string trace_without_memory(const Block& block, const Ray& ray) {
   char text[200] = {};
   const TraceRequest request = request_for(block, ray);
-  memory_is_out = true;
   try {
+    const AllocationLimit none(0);
     trace({}, request);
   } catch (const std::bad_alloc& error) {
     std::strncpy(text, error.what(), sizeof(text) - 1);
   }
-  memory_is_out = false;
   return text;
 }
 
