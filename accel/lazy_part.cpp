@@ -25,12 +25,16 @@ uint32_t construct(std::byte* block, uint32_t index) {
   const LazyInput stored(block);
   const TriangleCurve order = stored.order(part.first, part.count);
   PartBuilder builder(order, stored.tree_input());
-  const uint32_t root = builder.build_alone({0, 0, part.count, part.budget, lazy_first_depth});
+  const Subtree all{0, 0, part.count, part.budget, lazy_first_depth};
+  builder.plan(all);
+  PartBytes bytes;
+  bytes.start_apart(all);
+  const uint32_t root = builder.write_alone(bytes);
   LazyState& state = lazy_state(block);
-  const uint32_t granules = builder.wide().granule() + gap;
+  const uint32_t granules = bytes.wide.granule() + gap;
   const uint32_t place = std::atomic_ref(state.next_granule).fetch_add(granules);
   assert((uint64_t{place} + granules) * granule_bytes <= state.geometries);
-  builder.move_to(block, place);
+  bytes.move_to(block, place);
   std::atomic_ref(state.built_count).fetch_add(1);
   return root + place;
 }

@@ -19,32 +19,6 @@ PartBuilder::PartBuilder(const TriangleCurve& order, const TreeInput& input)
   if (input.build_flags & build_flag::allow_update) leaves_.form = LeafForm::full;
 }
 
-void PartBuilder::reserve(const Subtree& part) {
-  bytes_.resize(node_bound(part.budget) * sizeof(Node8) + part.budget * sizeof(PlainTriangleLeaf));
-}
-
-void PartBuilder::build(const Subtree& part) {
-  reserve(part);
-  build_in_place(part, bytes_.data(), 0);
-}
-
-uint32_t PartBuilder::build_alone(const Subtree& part) {
-  reserve(part);
-  build_tree(part);
-  wide_.start(bytes_.data(), 0);
-  pieces_.clear();
-  const LooseWide root =
-      wide_.add_below(built_.tree, Collapse(built_.tree), 0,
-                      [this](uint32_t leaf, LooseWide& node, uint32_t) { return write_leaf(leaf, node); });
-  return root.count == 1 ? root.child[0].ref : wide_.add_node(root);
-}
-
-void PartBuilder::build_in_place(const Subtree& part, std::byte* block, uint32_t granule) {
-  build_tree(part);
-  wide_.start(block, granule);
-  write_pieces();
-}
-
 bool PartBuilder::wants_rows() const {
   return input_->builder == Builder::lbvh && leaves_.form == LeafForm::index_table;
 }
@@ -55,7 +29,7 @@ TriangleRows PartBuilder::rows() {
   return {first, {first + length, first + 2 * length, first + 3 * length}};
 }
 
-void PartBuilder::build_tree(const Subtree& part) {
+void PartBuilder::plan(const Subtree& part) {
   built_.refs.resize(part.count);
   scratch_.resize(part.count);
   built_.tree.resize(2 * size_t{part.budget} - 1);
@@ -68,48 +42,55 @@ void PartBuilder::build_tree(const Subtree& part) {
   build_on_curve({built_.refs, keys, order_->curve(), leaf_size, binned_size, scratch_, !has_rows_}, whole,
                  built_.tree);
   if (input_->builder == Builder::lbvh_treelets) built_ = rearranged_by_treelets(built_, leaf_size, whole);
+  collapse_.emplace(built_.tree);
 }
 
 /// The part's root may not become a node, so what would be its children is left open.
-void PartBuilder::write_pieces() {
+void PartBuilder::write(PartBytes& out) {
   const BinaryTree& tree = built_.tree;
-  const Collapse collapse(tree);
   ChildList list{};
   if (tree[0].is_leaf())
     list.push(0);
   else
-    list = collapse.planned(0);
-  pieces_.clear();
+    list = collapse_->planned(0);
+  out.pieces.clear();
   for (uint32_t i = 0; i < list.count; ++i) {
     const uint32_t slot = list.slot[i];
-    pieces_.push_back(
-        {tree[slot].box, wide_.add_below(tree, collapse, slot, [this](uint32_t leaf, LooseWide& node, uint32_t) {
-           return write_leaf(leaf, node);
-         })});
+    const auto leaf = [&](uint32_t place, LooseWide& node, uint32_t) { return write_leaf(place, node, out.wide); };
+    out.pieces.push_back({tree[slot].box, out.wide.add_below(tree, *collapse_, slot, leaf)});
   }
 }
 
-uint32_t PartBuilder::write_leaf(uint32_t slot, LooseWide& wide) {
-  const BinaryNode& node = built_.tree[slot];
-  const auto refs = std::span(built_.refs).subspan(node.first, node.count);
-  write_ahead(wide_.next());
+uint32_t PartBuilder::write_alone(PartBytes& out) {
+  const auto leaf = [&](uint32_t place, LooseWide& node, uint32_t) { return write_leaf(place, node, out.wide); };
+  const LooseWide root = out.wide.add_below(built_.tree, *collapse_, 0, leaf);
+  return root.count == 1 ? root.child[0].ref : out.wide.add_node(root);
+}
+
+uint32_t PartBuilder::write_leaf(uint32_t slot, LooseWide& node, WideBytes& wide) {
+  const BinaryNode& leaf = built_.tree[slot];
+  const auto refs = std::span(built_.refs).subspan(leaf.first, leaf.count);
+  write_ahead(wide.next());
   const uint64_t bytes =
-      has_rows_ ? leaves_.write_of_rows(rows(), node.first, refs, wide_.next()) : leaves_.write(refs, wide_.next());
-  wide.push(node.box, wide_.add_leaf(bytes));
+      has_rows_ ? leaves_.write_of_rows(rows(), leaf.first, refs, wide.next()) : leaves_.write(refs, wide.next());
+  node.push(leaf.box, wide.add_leaf(bytes));
   return 1;
 }
 
-Pieces PartBuilder::move_to(std::byte* block, uint32_t granule) const {
+void PartBytes::start_apart(const Subtree& part) {
+  memory_.resize(node_bound(part.budget) * sizeof(Node8) + part.budget * sizeof(PlainTriangleLeaf));
+  wide.start(memory_.data(), 0);
+}
+
+void PartBytes::move_to(std::byte* block, uint32_t granule) {
   std::byte* const to = block + uint64_t{granule} * granule_bytes;
-  std::memcpy(to, bytes_.data(), uint64_t{wide_.granule()} * granule_bytes);
-  for (const uint32_t node : wide_.nodes()) {
+  std::memcpy(to, memory_.data(), uint64_t{wide.granule()} * granule_bytes);
+  for (const uint32_t node : wide.nodes()) {
     uint32_t(&child)[node_width] = reinterpret_cast<Node8*>(to + uint64_t{node} * granule_bytes)->child;
     for (uint32_t& ref : child) ref += ref != 0 ? granule : 0;
   }
-  Pieces moved = pieces_;
-  for (Piece& piece : moved)
+  for (Piece& piece : pieces)
     for (uint32_t i = 0; i < piece.wide.count; ++i) piece.wide.child[i].ref += granule;
-  return moved;
 }
 
 }  // namespace rayloom::accel

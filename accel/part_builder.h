@@ -8,6 +8,8 @@
 #include <rayloom/accel/triangle_curve.h>
 #include <rayloom/accel/triangle_leaf.h>
 
+#include <optional>
+
 namespace rayloom::accel {
 
 /// How a builder makes parts and what lies above them.
@@ -25,30 +27,39 @@ struct Piece {
 };
 using Pieces = std::vector<Piece>;
 
+/// A part's nodes and leaves.
+class PartBytes {
+ public:
+  /// They are to be written to memory of their own.
+  void start_apart(const Subtree& part);
+  /// They are to be written at `granule` of the block.
+  void start_in_place(std::byte* block, uint32_t granule) { wide.start(block, granule); }
+
+  /// Copies what was written apart to `granule` of the block, for the bytes that come in place; `pieces` then lie
+  /// there.
+  void move_to(std::byte* block, uint32_t granule);
+
+  WideBytes wide;
+  Pieces pieces;
+
+ private:
+  ScratchVector<std::byte> memory_;
+};
+
 /// Builds parts one after another in the same memory.
 class PartBuilder {
  public:
   PartBuilder(const TriangleCurve& order, const TreeInput& input);
 
-  /// Builds into memory of its own.
-  void build(const Subtree& part);
-  /// Copies what was built to `granule` of the block and returns the part's pieces.
-  Pieces move_to(std::byte* block, uint32_t granule) const;
-
-  /// Builds at `granule` of the block. The bytes are those that the other two give.
-  void build_in_place(const Subtree& part, std::byte* block, uint32_t granule);
-  Pieces take_pieces() { return std::move(pieces_); }
-
-  /// Builds into memory of its own, as a tree with a root. Returns the root's reference, from where move_to() counts.
-  uint32_t build_alone(const Subtree& part);
-
-  const WideBytes& wide() const { return wide_; }
+  /// Makes the tree of a part; then write() or write_alone() follows.
+  void plan(const Subtree& part);
+  /// Writes nodes and leaves where `out` was told to start.
+  void write(PartBytes& out);
+  /// The same as a tree with a root, whose reference is returned.
+  uint32_t write_alone(PartBytes& out);
 
  private:
-  void reserve(const Subtree& part);
-  void build_tree(const Subtree& part);
-  void write_pieces();
-  uint32_t write_leaf(uint32_t slot, LooseWide& node);
+  uint32_t write_leaf(uint32_t slot, LooseWide& node, WideBytes& wide);
   /// Whether leaves are made of rows, if the triangles can be had as such: where their order stays that of the curve.
   bool wants_rows() const;
   TriangleRows rows();
@@ -60,9 +71,7 @@ class PartBuilder {
   ScratchVector<uint32_t> rows_;
   bool has_rows_ = false;
   BuiltTree built_;
-  ScratchVector<std::byte> bytes_;
-  WideBytes wide_;
-  Pieces pieces_;
+  std::optional<Collapse> collapse_;
 };
 
 }  // namespace rayloom::accel

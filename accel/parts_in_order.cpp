@@ -2,6 +2,7 @@
 #include <rayloom/base/parallel.h>
 
 #include <algorithm>
+#include <array>
 #include <utility>
 
 #if defined(__linux__)
@@ -12,7 +13,7 @@ namespace rayloom::accel {
 namespace {
 
 /// All but one may wait for slower parts before theirs.
-constexpr size_t thread_builders = 4;
+constexpr size_t thread_slots = 16;
 constexpr uint64_t small_page = 4096, huge_page = uint64_t{2} << 20;
 
 /// Has the system clear the pages of a range, whose bytes stay. A hint: failure costs time only.
@@ -25,21 +26,20 @@ void populate([[maybe_unused]] std::byte* begin, [[maybe_unused]] uint64_t bytes
 
 }  // namespace
 
-/// A thread's builders: one of a part in the making, others of parts that wait for a place. Most often all is done by
-/// the first, whose memory stays in the core's cache.
+/// A thread's builder and parts: one in the making, others that wait for a place. Most often the first slot is the only
+/// one in use, whose memory stays in the core's cache.
 class PartsInOrder::Worker {
  public:
-  explicit Worker(PartsInOrder& all) : all_(all), slots_(thread_builders, Slot{PartBuilder(all.order_, all.input_)}) {}
+  explicit Worker(PartsInOrder& all) : all_(all), builder_(all.order_, all.input_) {}
 
-  /// A part is taken with a builder at hand, so the first part without a place is always being built: waiting comes to
+  /// A part is taken with a slot at hand, so the first part without a place is always being built: waiting comes to
   /// an end.
   void work() {
     while (Slot* const slot = free_slot()) {
       const size_t part = all_.take();
       if (part == all_.parts_.size()) break;
-      slot->builder.build(all_.parts_[part].where);
-      slot->part = part;
-      move_before(all_.finish(part, slot->builder.wide()));
+      build(part, *slot);
+      move_before(all_.finish(part, slot->bytes.wide.sums()));
     }
     while (const Slot* const slot = oldest())
       if (!wait_for(*slot)) break;
@@ -48,9 +48,24 @@ class PartsInOrder::Worker {
  private:
   static constexpr size_t none = ~size_t{0};
   struct Slot {
-    PartBuilder builder;
+    PartBytes bytes;
     size_t part = none;
   };
+
+  /// Where its place is known once its tree is made, a part is written there.
+  void build(size_t part, Slot& slot) {
+    const Subtree& where = all_.parts_[part].where;
+    builder_.plan(where);
+    const uint32_t place = all_.place_of_next(part);
+    if (place == 0) {
+      slot.bytes.start_apart(where);
+      slot.part = part;
+    } else {
+      slot.bytes.start_in_place(all_.block_.data(), place);
+    }
+    builder_.write(slot.bytes);
+    if (place != 0) all_.parts_[part].pieces = std::move(slot.bytes.pieces);
+  }
 
   /// Null when another thread has failed.
   Slot* free_slot() {
@@ -75,11 +90,12 @@ class PartsInOrder::Worker {
   /// Moves the parts that have a place: those before `placed`.
   void move_before(size_t placed) {
     for (Slot& slot : slots_)
-      if (slot.part < placed) all_.move(std::exchange(slot.part, none), slot.builder);
+      if (slot.part < placed) all_.move(std::exchange(slot.part, none), slot.bytes);
   }
 
   PartsInOrder& all_;
-  std::vector<Slot> slots_;
+  PartBuilder builder_;
+  std::array<Slot, thread_slots> slots_;
 };
 
 PartsInOrder::PartsInOrder(const TriangleCurve& order, const TreeInput& input, std::span<Part> parts,
@@ -107,10 +123,16 @@ size_t PartsInOrder::take() {
   return failed_ || next_ == parts_.size() ? parts_.size() : next_++;
 }
 
+/// Where the part goes; 0 while one before it is not finished.
+uint32_t PartsInOrder::place_of_next(size_t part) {
+  const std::lock_guard lock(mutex_);
+  return placed_ == part ? granule() : 0;
+}
+
 /// Gives places as far as parts are built; returns the first part without.
-size_t PartsInOrder::finish(size_t part, const WideBytes& wide) {
+size_t PartsInOrder::finish(size_t part, const WideSums& sums) {
   std::unique_lock lock(mutex_);
-  built_[part] = wide.sums();
+  built_[part] = sums;
   for (; placed_ < parts_.size() && built_[placed_].granules > 0; ++placed_) {
     place_[placed_] = granule();
     sums_.add(built_[placed_]);
@@ -137,8 +159,9 @@ uint64_t PartsInOrder::page_after_next() const {
   return std::min<uint64_t>(block_.size(), used - in_page + 2 * huge_page);
 }
 
-void PartsInOrder::move(size_t part, const PartBuilder& builder) {
-  parts_[part].pieces = builder.move_to(block_.data(), place_[part]);
+void PartsInOrder::move(size_t part, PartBytes& bytes) {
+  bytes.move_to(block_.data(), place_[part]);
+  parts_[part].pieces = std::move(bytes.pieces);
 }
 
 void PartsInOrder::give_up() {

@@ -31,9 +31,10 @@ class PartsInOrder {
   class Worker;
 
   size_t take();
-  size_t finish(size_t part, const WideBytes& wide);
+  uint32_t place_of_next(size_t part);
+  size_t finish(size_t part, const WideSums& sums);
   size_t wait_for_place(size_t part);
-  void move(size_t part, const PartBuilder& builder);
+  void move(size_t part, PartBytes& bytes);
   uint64_t page_after_next() const;
   void give_up();
 

@@ -59,11 +59,14 @@ class StructureInParts {
 
   void build_in_turn() {
     PartBuilder builder(order_, input_);
+    PartBytes bytes;
     for (Part& part : parts_) {
-      builder.build_in_place(part.where, block_.data(), granule_);
-      part.pieces = builder.take_pieces();
-      granule_ = builder.wide().granule();
-      sums_.add(builder.wide().sums());
+      builder.plan(part.where);
+      bytes.start_in_place(block_.data(), granule_);
+      builder.write(bytes);
+      part.pieces = std::move(bytes.pieces);
+      granule_ = bytes.wide.granule();
+      sums_.add(bytes.wide.sums());
     }
   }
 
