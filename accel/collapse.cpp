@@ -1,4 +1,5 @@
 #include <rayloom/accel/collapse.h>
+#include <rayloom/accel/simd/build_kernel.h>
 #include <rayloom/base/parallel.h>
 
 #include <algorithm>
@@ -9,7 +10,7 @@ constexpr uint32_t parallel_threshold = 16384;
 }
 
 /// Areas count relative to the root's, so that their sums fit a float.
-Collapse::Collapse(const BinaryTree& tree) : tree_(tree), plans_(tree.size()) {
+Collapse::Collapse(const BinaryTree& tree) : tree_(tree), kernel_(build_kernel()), plans_(tree.size()) {
   const double area = tree[0].box.half_area();
   area_scale_ = area > 0 ? 1 / area : 0;
   solve(0);
@@ -17,8 +18,10 @@ Collapse::Collapse(const BinaryTree& tree) : tree_(tree), plans_(tree.size()) {
 
 void Collapse::solve(uint32_t slot) {
   const BinaryNode& node = tree_[slot];
-  Plan& plan = plans_[slot];
-  if (node.is_leaf()) {  // all zeros: leaves cost the same in every wide tree
+  CollapsePlan& plan = plans_[slot];
+  if (kernel_ && node.count < parallel_threshold)
+    return kernel_->plan_collapse(tree_.data(), slot, area_scale_, plans_.data());
+  if (node.is_leaf()) {
     plan = {};
     return;
   }
@@ -37,7 +40,9 @@ void Collapse::solve(uint32_t slot) {
   };
   const Share own = share(node_width);
   plan.cost[0] = own.cost + static_cast<float>(node.box.half_area() * area_scale_);
-  plan.left_share[0] = own.left;
+  plan.cost[node_width - 1] = Box::infinity;
+  plan.left_share[0] = 0;
+  plan.left_share[node_width - 1] = own.left;
   for (uint32_t slots = 2; slots < node_width; ++slots) {
     const Share open = share(slots);
     const bool better = open.cost <= plan.cost[slots - 2];
@@ -46,7 +51,7 @@ void Collapse::solve(uint32_t slot) {
   }
 }
 
-Collapse::Share Collapse::best_share(const Plan& left, const Plan& right, uint32_t slots) {
+Collapse::Share Collapse::best_share(const CollapsePlan& left, const CollapsePlan& right, uint32_t slots) {
   Share best{left.cost[0] + right.cost[slots - 2], 1};
   for (uint32_t k = 2; k < slots; ++k) {
     const float cost = left.cost[k - 1] + right.cost[slots - k - 1];
@@ -58,7 +63,7 @@ Collapse::Share Collapse::best_share(const Plan& left, const Plan& right, uint32
 
 /// Adds the children that stand for the subtree `slot` when it may fill up to `slots` slots.
 void Collapse::place(uint32_t slot, uint32_t slots, ChildList& list) const {
-  const Plan& plan = plans_[slot];
+  const CollapsePlan& plan = plans_[slot];
   while (slots > 1 && plan.left_share[slots - 1] == 0) --slots;  // a leaf's shares are all 0
   if (slots == 1) return list.push(slot);
   const uint32_t left = plan.left_share[slots - 1];
@@ -68,7 +73,7 @@ void Collapse::place(uint32_t slot, uint32_t slots, ChildList& list) const {
 
 ChildList Collapse::planned(uint32_t slot) const {
   ChildList list{};
-  const uint32_t left = plans_[slot].left_share[0];
+  const uint32_t left = plans_[slot].left_share[node_width - 1];
   place(slot + 1, left, list);
   place(tree_[slot].right, node_width - left, list);
   return list;

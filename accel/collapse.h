@@ -1,12 +1,10 @@
 #pragma once
 
-#include <rayloom/accel/binary_tree.h>
-
-#include <array>
+#include <rayloom/accel/collapse_plan.h>
 
 namespace rayloom::accel {
 
-inline constexpr uint32_t node_width = 8;
+struct BuildKernel;
 
 /// Which binary nodes become the children of a wide node. Starts as {}; a scratch array of them does not.
 struct ChildList {
@@ -30,26 +28,20 @@ class Collapse {
   ChildList planned(uint32_t slot) const;
 
  private:
-  /// For a subtree that may fill up to j slots of its parent, j = 1..7: the least summed area of wide nodes, and how
-  /// many of the j slots its left child gets; 0: as good with fewer. left_share[0] is for the 8 slots of a node of its
-  /// own.
-  struct Plan {
-    std::array<float, node_width - 1> cost;
-    std::array<uint8_t, node_width - 1> left_share;
-  };
   struct Share {
     float cost;
     uint8_t left;
   };
 
   void solve(uint32_t slot);
-  static Share best_share(const Plan& left, const Plan& right, uint32_t slots);
+  static Share best_share(const CollapsePlan& left, const CollapsePlan& right, uint32_t slots);
   void place(uint32_t slot, uint32_t slots, ChildList& list) const;
   void absorb(ChildList& list) const;
 
   const BinaryTree& tree_;
   double area_scale_;
-  ScratchVector<Plan> plans_;
+  const BuildKernel* kernel_;
+  ScratchVector<CollapsePlan> plans_;
 };
 
 }  // namespace rayloom::accel

@@ -7,6 +7,7 @@
 #define HWY_TARGET_INCLUDE "rayloom/accel/simd/build_highway.cpp"
 #include <hwy/foreach_target.h>  // before highway.h
 
+#include <rayloom/accel/simd/collapse_plan-inl.h>
 #include <rayloom/accel/simd/leaf_table-inl.h>
 #include <rayloom/accel/simd/triangle_keys-inl.h>
 #include <rayloom/accel/simd/triangle_refs-inl.h>
@@ -15,10 +16,10 @@
 #if HWY_ONCE
 namespace rayloom::accel {
 namespace {
-constexpr BuildKernel avx2_kernel{N_AVX2::make_keys, N_AVX2::vertex_bounds, N_AVX2::gather_refs,
-                                  N_AVX2::write_table_leaf, N_AVX2::write_leaf_of_rows};
-constexpr BuildKernel avx512_kernel{N_AVX3::make_keys, N_AVX3::vertex_bounds, N_AVX3::gather_refs,
-                                    N_AVX3::write_table_leaf, N_AVX3::write_leaf_of_rows};
+constexpr BuildKernel avx2_kernel{N_AVX2::make_keys,        N_AVX2::vertex_bounds,      N_AVX2::gather_refs,
+                                  N_AVX2::write_table_leaf, N_AVX2::write_leaf_of_rows, N_AVX2::plan_collapse};
+constexpr BuildKernel avx512_kernel{N_AVX3::make_keys,        N_AVX3::vertex_bounds,      N_AVX3::gather_refs,
+                                    N_AVX3::write_table_leaf, N_AVX3::write_leaf_of_rows, N_AVX3::plan_collapse};
 }  // namespace
 
 const BuildKernel* build_kernel() {

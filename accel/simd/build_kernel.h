@@ -3,6 +3,7 @@
 // What builders do to many triangles at once, in vectors. Results have the bits that the scalar code gives.
 
 #include <rayloom/accel/build_input.h>
+#include <rayloom/accel/collapse_plan.h>
 #include <rayloom/accel/layout.h>
 #include <rayloom/accel/morton.h>
 
@@ -43,6 +44,8 @@ struct BuildKernel {
   /// The same of `count` triangles from `first` on, which it sorts.
   uint32_t (*write_leaf_of_rows)(const TriangleGeometry&, const TriangleRows&, size_t first, size_t count,
                                  TriangleLeaf& leaf);
+  /// Plans for the subtree `slot` of a tree and all below it; areas are scaled.
+  void (*plan_collapse)(const BinaryNode* tree, uint32_t slot, double area_scale, CollapsePlan* plans);
 };
 
 /// Of the instruction set in use; null where that has no vectors.
