@@ -13,11 +13,14 @@ namespace rayloom::accel {
 
 namespace detail {
 
+/// So many codes are in the cache when they are searched.
+inline constexpr uint32_t cached = 4096;
+
 /// How many of `count` ascending codes have a 0 in the highest bit in which they differ; 0: all are equal. ask(i) says
 /// that code_of(i) may come next.
 template <class CodeOf, class Ask>
 uint32_t change_of(uint32_t count, const CodeOf& code_of, const Ask& ask) {
-  constexpr uint32_t far = 8192;
+  const uint32_t far = count > cached ? 32 : count;
   const auto bit = std::bit_floor(code_of(0) ^ code_of(count - 1));
   if (bit == 0) return 0;
   uint32_t first = 0;  // a 0; without branches, which nobody could predict

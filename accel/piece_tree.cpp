@@ -15,6 +15,14 @@ PieceTree::PieceTree(std::vector<const Piece*> pieces, bool reinserts)
   if (depth() > max_depth) build_balanced();
 }
 
+void PieceTree::ask_ahead(uint32_t slot) const {
+  constexpr size_t distance = 6, line = 64;
+  const size_t later = tree_[slot].first + distance;
+  if (later >= refs_.size()) return;
+  const auto* const bytes = reinterpret_cast<const std::byte*>(pieces_[refs_[later].primitive]);
+  for (size_t i = 0; i < sizeof(Piece); i += line) __builtin_prefetch(bytes + i);
+}
+
 uint32_t PieceTree::depth_below(uint32_t slot) const {
   if (tree_[slot].is_leaf()) return piece(slot).wide.depth + 1;
   return 1 + std::max(depth_below(slot + 1), depth_below(tree_[slot].right));

@@ -14,6 +14,8 @@ class PieceTree {
   const BinaryTree& tree() const { return tree_; }
   /// Of a leaf.
   const Piece& piece(uint32_t slot) const { return *pieces_[refs_[tree_[slot].first].primitive]; }
+  /// Asks for the bytes of a piece some leaves behind this one: other threads may have written them.
+  void ask_ahead(uint32_t slot) const;
   /// Of the whole structure, if binary nodes were wide ones: no less than what it will be.
   uint32_t depth() const { return depth_below(0); }
 

@@ -12,24 +12,32 @@ constexpr uint32_t header_granules = sizeof(StructureHeader) / granule_bytes;
 /// Where the curve is cut, budget and depth shared out on the way.
 class PartCutter {
  public:
-  PartCutter(const TriangleCurve& order, const TreeInput& input) : order_(order), leaf_size_(input.leaf_size) {
+  PartCutter(const TriangleCurve& order, const TreeInput& input)
+      : order_(order), leaf_size_(input.leaf_size), part_size_(part_recipe(input.builder).size) {
     const auto budget = static_cast<uint32_t>(input.leaf_budget);
-    cut({0, 0, static_cast<uint32_t>(order.keys().size()), budget, 0}, part_recipe(input.builder).size);
+    cut({0, 0, static_cast<uint32_t>(order.keys().size()), budget, 0}, parts_);
   }
   std::vector<Part> take() { return std::move(parts_); }
 
  private:
-  void cut(const Subtree& subtree, uint32_t part_size) {
-    if (subtree.count <= part_size) return parts_.push_back({subtree, {}});
+  /// Appends the parts of a subtree, in their order.
+  void cut(const Subtree& subtree, std::vector<Part>& parts) const {
+    if (subtree.count <= part_size_) return parts.push_back({subtree, {}});
     const auto keys = order_.keys().subspan(subtree.first, subtree.count);
     const auto code_of = [&](uint32_t i) { return order_.code(keys[i].index); };
     const auto [left, right] = halves_of(subtree, curve_cut(keys, subtree, leaf_size_, code_of), leaf_size_);
-    cut(left, part_size);
-    cut(right, part_size);
+    std::vector<Part> of_right;
+    const bool together = subtree.count >= large;
+    build_halves(
+        left, right,
+        [&, first = left.first](const Subtree& half) { cut(half, together && half.first != first ? of_right : parts); },
+        large);
+    std::move(of_right.begin(), of_right.end(), std::back_inserter(parts));
   }
 
+  static constexpr uint32_t large = 1 << 16;  ///< halves are cut at the same time
   const TriangleCurve& order_;
-  uint32_t leaf_size_;
+  uint32_t leaf_size_, part_size_;
   std::vector<Part> parts_;
 };
 
@@ -76,6 +84,7 @@ class StructureInParts {
     WideBytes wide;
     wide.start(block_.data(), granule_);
     const LooseWide root = wide.add_below(tree, Collapse(tree), 0, [&](uint32_t slot, LooseWide& node, uint32_t room) {
+      top.ask_ahead(slot);
       return wide.join(tree[slot].box, top.piece(slot).wide, node, room);
     });
     header_.root = wide.add_node(root);
