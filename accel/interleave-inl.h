@@ -43,6 +43,11 @@ struct alignas(64) Task {
   bool in_triangles;  ///< whether the leaves of the current level are triangles, not instances
   Level* level;       ///< the one of `levels` that `ref` belongs to
   size_t index;       ///< of the ray and its result
+  // For tasks with hints: the rays to take next, up to `last`; the instance that occluded the task's last ray that was
+  // occluded, a leaf of the top level or 0, and a node or leaf of its tree, or 0; what has been visited last.
+  size_t next = 0, last = 0;
+  uint32_t occluder = 0, place = 0;
+  uint32_t node, leaf;
   Search search;
   InstanceRules rules;
   Level levels[2];  ///< the request's structure, and a bottom level entered from it
@@ -104,9 +109,11 @@ class Interleaver {
   size_t traced() const { return next_; }
 
  private:
-  static constexpr size_t width = 32;       ///< rays on their way: fewer hide less, more outgrow the first cache
-  static constexpr size_t rays_ahead = 16;  ///< asked for before their turn
-  static constexpr uint32_t enough = 8;     ///< leaves wait for one another while there are as many nodes
+  static constexpr size_t width = 32;  ///< rays on their way: fewer hide less, more outgrow the first cache
+  static constexpr size_t rays_ahead = hints ? 2 : 16;  ///< asked for before their turn
+  /// Of neighbouring rays that a task with hints takes: longer ones are farther apart from other tasks' in memory.
+  static constexpr size_t longest_run = 8;
+  static constexpr uint32_t enough = 8;  ///< leaves wait for one another while there are as many nodes
 
   struct List {
     uint32_t count = 0;
@@ -154,6 +161,7 @@ class Interleaver {
       Task& task = *round.task[i];
       const Level& level = level_of(task);
       const Node8& node = level.node(task.ref);
+      if (hints) task.node = task.ref;
       push_children<order>(test_node(BoxLanes(level.ray), node, level.t_near, level.t_far), node, task.stack);
       task.pop();
       to = file(task, to);
@@ -183,6 +191,7 @@ class Interleaver {
       met_[met].masks.possible = masks.possible;
       met_[met].masks.certain = masks.certain;
       met += open;
+      if (hints) task.leaf = task.ref;
       task.end_if(hit);
       task.pop();
       to = file(task, to, !open);
@@ -216,12 +225,28 @@ class Interleaver {
     return file(task, to, true);
   }
 
-  void write_result(const Task& task) {
+  void write_result(Task& task) {
     if constexpr (std::is_same_v<Result, Hit>)
       results_[task.index] = task.search.hit();
     else
       results_[task.index] = task.ended;
-    if (hints && task.ended) recent_.note_occluder(leaf_ref(task.rules.instance));
+    if (hints && task.ended) note_occluder(task);
+  }
+
+  void note_occluder(Task& task) {
+    task.occluder = leaf_ref(task.rules.instance);
+    task.place = place_of_hit(task);
+    recent_.note_occluder(task.occluder);
+  }
+
+  /// The node of the leaf where a ray has ended or, if that is not the last one visited, the leaf: the next ray often
+  /// ends there. 0: the instance is entered at a leaf.
+  static uint32_t place_of_hit(const Task& task) {
+    if (node_ref::is_leaf(task.node)) return 0;
+    const Node8& node = task.levels[1].node(task.node);
+    bool found = false;
+    for (int i = 0; i < 8; ++i) found |= node.child[i] == task.leaf;
+    return found ? task.node : task.leaf;
   }
 
   /// Of a leaf of the request's structure.
@@ -247,11 +272,18 @@ class Interleaver {
       enter_instance(task);
     } else if (instances && task.level == &task.levels[1] && !task.ended) {
       leave_instance(task);
+      try_hint(task);
     } else if (!(hints && !task.begun && !task.ended && begin_missed(task))) {
       write_result(task);
       if (!start_next(task)) return to;
+      try_hint(task);
     }
     return file(task, to);
+  }
+
+  /// Enters the instance that a ray tries next: its record need not be waited for.
+  void try_hint(Task& task) {
+    if (hints && !task.begun && task.ref != level_end) enter_instance(task);
   }
 
   /// At the root, for a ray that recent occluders do not occlude.
@@ -269,17 +301,33 @@ class Interleaver {
     task.base = 1;
     task.in_triangles = false;
     task.stack.push(level_end, 0);
-    recent_.push(task.stack);
+    recent_.push(task.stack, task.occluder);
     task.pop();
+    return true;
+  }
+
+  /// False: there is none.
+  bool take_ray(Task& task) {
+    if (hints && task.next == task.last && !take_run(task)) return false;
+    if (!hints && next_ == rays_.count) return false;
+    task.index = hints ? task.next++ : next_++;
+    return true;
+  }
+
+  /// Short ones at the end, so that tasks end together.
+  bool take_run(Task& task) {
+    const size_t left = rays_.count - next_;
+    if (left == 0 || recent_.given_up()) return false;
+    task.next = next_;
+    task.last = next_ += std::clamp<size_t>(left / (2 * width), 1, longest_run);
     return true;
   }
 
   /// Gives the task the next ray that does not miss at once; false if there is none.
   bool start_next(Task& task) {
-    while (next_ != rays_.count && !(hints && recent_.given_up())) {
-      const Ray& ray = rays_[next_];
+    while (take_ray(task)) {
+      const Ray& ray = rays_[task.index];
       __builtin_prefetch(reinterpret_cast<const std::byte*>(&ray) + rays_ahead * rays_.stride);
-      task.index = next_++;
       task.search.restart(ray);
       task.stack.resize(0);
       task.ended = false;
@@ -302,11 +350,20 @@ class Interleaver {
       object_ray_lanes(instance, task.search.ray(), ray);
       if (task.enter(1, block, BoundsLanes(header, 1), entry_of<lazy>(instance, header), ray)) {
         set_rules(task.rules, instance, request, rules_.hits);
+        if (hints) begin_at_place(task);
         return;
       }
     }
     task.level = &task.levels[0];
     task.pop();
+  }
+
+  /// Before all of an instance comes the part where the task's last ray has ended.
+  void begin_at_place(Task& task) {
+    task.node = task.ref;
+    if (task.begun || task.place == 0 || task.occluder != leaf_ref(task.rules.instance)) return;
+    task.stack.push(task.ref, 0);
+    task.ref = task.place;
   }
 
   void leave_instance(Task& task) {

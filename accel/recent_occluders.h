@@ -3,7 +3,9 @@
 #include <rayloom/accel/traversal_stack.h>
 
 #include <algorithm>
+#include <bit>
 #include <cstdint>
+#include <utility>
 
 namespace rayloom::accel {
 
@@ -14,10 +16,20 @@ class RecentOccluders {
  public:
   bool empty() const { return count_ == 0; }
 
-  /// Puts them on the stack, the last one on top.
-  void push(TraversalStack& stack) {
-    std::copy_n(refs_, most, stack.free_refs());
-    stack.grow(count_);
+  /// Puts them on the stack, the last one on top, and `first`, unless 0, above them or, if it is among them, in that
+  /// one's place, which takes its own. There must be some.
+  void push(TraversalStack& stack, uint32_t first) {
+    uint32_t* const refs = stack.free_refs();
+    std::copy_n(refs_, most, refs);
+    uint32_t count = count_;
+    if (first != 0 && first != refs_[count_ - 1]) {
+      uint32_t same = 0;  // a bit each; all of them, so that the compiler may take a vector
+      for (uint32_t i = 0; i < most; ++i) same |= uint32_t{refs_[i] == first} << i;
+      refs[count] = first;
+      count += same == 0;
+      std::swap(refs[same == 0 ? count_ : static_cast<uint32_t>(std::countr_zero(same))], refs[count - 1]);
+    }
+    stack.grow(count);
     if (++tried_ % window != 0) return;
     given_up_ = missed_ > most_missed;
     missed_ = 0;
