@@ -31,9 +31,10 @@ struct PacketProbe {
   uint32_t undecided[8] = {}, certain[8] = {};
   float t[8][most_packet_rays], u[8][most_packet_rays], v[8][most_packet_rays];
   uint32_t known[8] = {}, front[8] = {};
-  uint32_t boxes = 0;       ///< that some ray may meet
-  uint32_t inside[8] = {};  ///< rays that meet each box
-  size_t others = 0;        ///< hits that differ when every ray has a triangle of its own
+  double depth[8], errors[8][4];  ///< PacketTriangle: t's determinant; on the errors of t's, u's, v's and the area's
+  uint32_t boxes = 0;             ///< that some ray may meet
+  uint32_t inside[8] = {};        ///< rays that meet each box
+  size_t others = 0;              ///< hits that differ when every ray has a triangle of its own
 };
 
 using ProbeFunction = void (*)(const PacketQuestion&, PacketProbe&);
@@ -86,12 +87,23 @@ void probe_triangle(const PencilRays& rays, size_t r, const PacketQuestion& ques
   out.front[lane] |= hits.front << shift;
 }
 
+void probe_errors(const PencilRays& rays, const PacketQuestion& question, uint32_t lane, PacketProbe& out) {
+  const CommonCorners corners(question.leaf, lane);
+  const PacketTriangle triangle(rays, corners.corner<0>(0), corners.corner<0>(1), corners.corner<0>(2));
+  out.depth[lane] = hn::GetLane(triangle.depth);
+  out.errors[lane][0] = hn::GetLane(triangle.depth_error);
+  out.errors[lane][1] = hn::GetLane(triangle.u_error);
+  out.errors[lane][2] = hn::GetLane(triangle.v_error);
+  out.errors[lane][3] = hn::GetLane(triangle.area_error);
+}
+
 void probe_leaf(const PencilRays& rays, const PacketQuestion& question, PacketProbe& out) {
   PacketLeaf leaf;
   const float deepest = last_far(rays, question) * rays.depth_scale;
   out.triangles = leaf.load(rays, question.leaf, hn::Set(Floats(), deepest));
   for (uint32_t lane = 0; lane < 8; ++lane) {
     out.bound[lane] = leaf.bound[lane];
+    probe_errors(rays, question, lane, out);
     for (size_t r = 0; r < PencilRays::rows; ++r) probe_triangle(rays, r, question, leaf, lane, out);
   }
 }
@@ -207,9 +219,25 @@ void judge_triangle(const PacketCase& c, const PacketProbe& probe, int lane, uin
   tally.shut_boxes += !has(probe.inside[lane]);
 }
 
+/// Against the bounds of docs/numerics.md, 2.2, for a direction whose dominant component is 1.
+void judge_errors(const PacketCase& c, const PacketProbe& probe, int lane) {
+  const auto& corners = c.triangles[lane];
+  double edge1 = 0, edge2 = 0, point = 0;
+  for (int k = 0; k < 3; ++k) {
+    edge1 += std::fabs(double{corners[1][k]} - double{corners[0][k]});
+    edge2 += std::fabs(double{corners[2][k]} - double{corners[0][k]});
+    point += std::fabs(double{corners[0][k]} - double{c.rays[0].origin[k]});
+  }
+  const double edges = edge1 * edge2, reach = point + edge1 + edge2, rounding = 8 * 0x1p-53;
+  const double proved[] = {rounding * (3 * edges * reach + std::fabs(probe.depth[lane])), rounding * edge2 * reach,
+                           rounding * edge1 * reach, rounding * edges};
+  for (int i = 0; i < 4; ++i) REQUIRE(std::fabs(probe.errors[lane][i] - proved[i]) <= 1e-14 * proved[i]);
+}
+
 void judge(const PacketCase& c, const Hits& hits, const PacketQuestion& question, const PacketProbe& probe,
            Tally& tally) {
   ++tally.packets;
+  for (int lane = 0; lane < 8; ++lane) judge_errors(c, probe, lane);
   for (uint32_t rays = probe.taken; rays != 0; rays &= rays - 1) {
     const auto ray = static_cast<uint32_t>(std::countr_zero(rays));
     ++tally.rays;
