@@ -59,16 +59,22 @@ class Search {
                        Visitor& visitor) {
     const HitName name{rules.instance_index, geometry_index(geometry_word), primitive};
     if (hit.t == hit_.t && !triangle_wins_tie(hit_, name)) return Offer::rejected;
-    const bool front = hit.front != rules.hits.swap_facing;
     const Outcome outcome = rules.outcome_of(geometry_word);
-    if (rules.hits.culled_facing[front] || outcome == Outcome::cull) return Offer::rejected;
-    const uint32_t kind = front ? hit_kind_triangle_front_face : hit_kind_triangle_back_face;
-    const Hit found{hit.t, hit.u, hit.v, name.instance, name.geometry, name.primitive, kind, HitType::triangle};
+    if (rules.hits.culled_facing[shows_front(hit, rules)] || outcome == Outcome::cull) return Offer::rejected;
+    const Hit found = found_at(name, hit, rules);
     if (outcome == Outcome::commit || !request_->candidate) return commit(found);
     if ((geometry_word >> 24 & geometry_flag::split) && !is_new(name)) return Offer::rejected;
     const Verdict verdict = ask(found, rules, false, false, visitor);
     if (verdict.commit) commit(found);
     return after(verdict.commit, verdict.end_search);
+  }
+
+  /// The same where no triangle is culled or asked for: HitRules::accepts_all, no candidate function.
+  [[gnu::always_inline]] Offer offer_accepted(const InstanceRules& rules, uint32_t geometry_word, uint32_t primitive,
+                                              const TriangleHit& hit) {
+    const HitName name{rules.instance_index, geometry_index(geometry_word), primitive};
+    if (hit.t == hit_.t && !triangle_wins_tie(hit_, name)) return Offer::rejected;
+    return commit(found_at(name, hit, rules));
   }
 
   /// A procedural primitive whose box the ray may meet.
@@ -91,6 +97,15 @@ class Search {
   }
 
  private:
+  static bool shows_front(const TriangleHit& hit, const InstanceRules& rules) {
+    return hit.front != rules.hits.swap_facing;
+  }
+
+  [[gnu::always_inline]] static Hit found_at(const HitName& name, const TriangleHit& hit, const InstanceRules& rules) {
+    const uint32_t kind = shows_front(hit, rules) ? hit_kind_triangle_front_face : hit_kind_triangle_back_face;
+    return {hit.t, hit.u, hit.v, name.instance, name.geometry, name.primitive, kind, HitType::triangle};
+  }
+
   /// Of a triangle that other leaves may name too: whether this ray has not asked for it yet (AH rows).
   [[gnu::noinline, gnu::cold]] bool is_new(const HitName& name) {
     if (!asked_) asked_ = std::make_unique<AskedTriangles>();

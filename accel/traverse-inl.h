@@ -61,7 +61,7 @@ struct Level {
     t_far = ray.far_limit(search.t());
     depths = DepthInterval(ray, search.t());
   }
-  void shorten(const Search& search) {
+  [[gnu::always_inline]] void shorten(const Search& search) {
     t_far = ray.far_limit(search.t());
     depths.shorten(search.t());
   }
@@ -87,6 +87,20 @@ template <Order order>
     push_by_distance(hits, node, stack);
 }
 
+/// Pushes all children met but the one to visit next, which it returns.
+template <Order order>
+[[gnu::always_inline]] inline Child push_others(const NodeHits& hits, const Node8& node, TraversalStack& stack) {
+  if constexpr (order == Order::stored) {
+    push_in_order(hits, node, stack);
+    return stack.pop();
+  } else {
+    const Child first = nearest_child(hits, node);
+    push_by_distance(hits, node, stack);
+    stack.pop();
+    return first;
+  }
+}
+
 [[gnu::always_inline]] inline void prefetch_children(uint32_t mask, const Node8& node, Prefetch prefetch) {
   for (uint32_t left = mask; left != 0; left &= left - 1) prefetch(node.child[std::countr_zero(left)]);
 }
@@ -102,10 +116,7 @@ template <Order order>
   Child first{node.child[lane], near[lane]};
   const uint32_t others = hits.mask & (hits.mask - 1);
   if (others == 0) return first;
-  if ((others & (others - 1)) != 0) {
-    push_children<order>(hits, node, stack);
-    return stack.pop();
-  }
+  if ((others & (others - 1)) != 0) return push_others<order>(hits, node, stack);
   const int other_lane = std::countr_zero(others);
   Child second{node.child[other_lane], near[other_lane]};
   if (order == Order::stored || second.near < first.near) std::swap(first, second);
@@ -196,12 +207,67 @@ struct TriangleLeaves {
   [[gnu::always_inline]] Offer visit(const Level& level, const std::byte* address, Search& search,
                                      Visitor& visitor) const {
     const auto* leaf = reinterpret_cast<const TriangleLeaf*>(address);
-    const LeafMasks masks = test_triangles(TriangleLanes(level.ray), *leaf, level.depths);
+    LeafDepths found;
+    const LeafMasks masks = test_triangles(TriangleLanes(level.ray), *leaf, level.depths, found);
     if (masks.possible == 0) {
       visitor.on_triangle_leaf(leaf, 0, 0);
       return Offer::rejected;
     }
+    if constexpr (is_silent<Visitor>)
+      if (takes_nearest(search.request())) return offer_nearest_first(level, *leaf, masks, found, search);
     return offer_lanes(level, leaf, masks.possible, masks.certain, search, visitor);
+  }
+
+  /// Whether the nearest of all triangles is what the ray finds, in whatever order they are offered.
+  bool takes_nearest(const TraceRequest& request) const {
+    const bool takes_first = request.ray_flags & ray_flag::accept_first_hit_and_end_search;
+    return rules.hits.accepts_all & !request.candidate & !takes_first;
+  }
+
+  /// A hit may save those behind it the computation of their exact t.
+  [[gnu::always_inline]] Offer offer_nearest_first(const Level& level, const TriangleLeaf& leaf, LeafMasks masks,
+                                                   const LeafDepths& found, Search& search) const {
+    if ((masks.possible & (masks.possible - 1)) == 0) return offer_one(level, leaf, masks, search);
+    const LeafDepths in_memory{found};
+    return offer_several(level, leaf, masks, in_memory, search);
+  }
+
+  [[gnu::always_inline]] Offer offer_lane(const Level& level, const TriangleLeaf& leaf, uint32_t lane, bool certain,
+                                          Search& search) const {
+    const auto hit = intersect(level.ray, leaf, lane, certain, search.t());
+    return hit ? search.offer_accepted(rules, leaf.geometry_of(lane), leaf.primitive[lane], *hit) : Offer::rejected;
+  }
+
+  [[gnu::noinline]] Offer offer_one(const Level& level, const TriangleLeaf& leaf, LeafMasks masks,
+                                    Search& search) const {
+    return offer_lane(level, leaf, static_cast<uint32_t>(std::countr_zero(masks.possible)), masks.certain != 0, search);
+  }
+
+  [[gnu::noinline]] Offer offer_several(const Level& level, const TriangleLeaf& leaf, LeafMasks masks,
+                                        const LeafDepths& found, Search& search) const {
+    float nearest[8];
+    store_nearest(found, nearest);
+    DepthInterval interval = level.depths;
+    Offer result = Offer::rejected;
+    for (uint32_t left = masks.possible; left != 0;) {
+      const uint32_t lane = least_of(left, nearest);
+      left &= ~(1u << lane);
+      const Offer offer = offer_lane(level, leaf, lane, masks.certain >> lane & 1, search);
+      if (offer == Offer::rejected) continue;
+      result = offer;
+      interval.shorten(search.t());
+      left &= ~(masks.certain & depths_beyond(found, interval.outer_far));
+    }
+    return result;
+  }
+
+  static uint32_t least_of(uint32_t lanes, const float (&values)[8]) {
+    auto least = static_cast<uint32_t>(std::countr_zero(lanes));
+    for (uint32_t left = lanes & (lanes - 1); left != 0; left &= left - 1) {
+      const auto lane = static_cast<uint32_t>(std::countr_zero(left));
+      if (values[lane] < values[least]) least = lane;
+    }
+    return least;
   }
 
   template <class Visitor>

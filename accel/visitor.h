@@ -3,6 +3,8 @@
 #include <rayloom/accel/layout.h>
 #include <rayloom/accel/trace.h>
 
+#include <type_traits>
+
 namespace rayloom::accel {
 
 /// The hooks, all empty. A visitor derives from it and hides the ones it wants; unused ones cost nothing.
@@ -23,5 +25,9 @@ struct Visitor {
   /// After the candidate function has answered; leaf hooks come after those of their candidates.
   void on_candidate(const Candidate&, const Verdict&) {}
 };
+
+/// Whether a visitor has no hooks, so that nobody sees in which order a leaf's triangles come.
+template <class V>
+inline constexpr bool is_silent = std::is_same_v<V, Visitor>;
 
 }  // namespace rayloom::accel

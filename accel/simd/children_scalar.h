@@ -28,6 +28,16 @@ inline void push_by_distance(const NodeHits& hits, const Node8& node, TraversalS
   }
 }
 
+/// The child that push_by_distance() puts on top.
+inline TraversalStack::Entry nearest_child(const NodeHits& hits, const Node8& node) {
+  int nearest = std::countr_zero(hits.mask);
+  for (uint32_t left = hits.mask & (hits.mask - 1); left != 0; left &= left - 1) {
+    const int lane = std::countr_zero(left);
+    if (hits.near[lane] < hits.near[nearest]) nearest = lane;
+  }
+  return {node.child[nearest], hits.near[nearest]};
+}
+
 /// Takes away entries from `base` up that lie beyond t_far.
 inline void drop_farther(TraversalStack& stack, uint32_t base, float t_far) {
   uint32_t kept = base;

@@ -212,15 +212,15 @@ struct CertainHits {
   V depth;          ///< largest |z|
 };
 
+/// Depths of certain hits times the areas of their triangles, and these areas, each between two bounds.
 template <class V>
-struct DepthMasks {
-  hn::Mask<hn::DFromV<V>> outside, inside;
+struct DepthBounds {
+  V low, high, least, most;
 };
 
-/// How the depths of certain hits compare with a DepthInterval: see scalar::depth_of_hit().
+/// Not returned: GCC 12 copies a structure of vectors in halves, through memory.
 template <class V>
-HWY_INLINE DepthMasks<V> compare_depths(const CertainHits<V>& hits, V outer_near, V outer_far, V inner_near,
-                                        V inner_far) {
+HWY_INLINE void bound_depths(const CertainHits<V>& hits, DepthBounds<V>& bounds) {
   const hn::DFromV<V> d;
   const V signed_area = hn::Add(hn::Add(hits.edge[0], hits.edge[1]), hits.edge[2]);
   const V sum =
@@ -229,14 +229,43 @@ HWY_INLINE DepthMasks<V> compare_depths(const CertainHits<V>& hits, V outer_near
   const V margin = hn::Mul(hn::Set(d, 4), hits.bound);
   const V reach = hn::Mul(hn::Mul(hn::Set(d, 2), hits.depth), area);
   const V error = hn::MulAdd(reach, hn::Set(d, 0x1p-22f), hn::MulAdd(hits.depth, margin, hn::Set(d, 0x1p-120f)));
-  const V most = hn::Add(area, margin), least = hn::Sub(area, margin);
-  const V low = hn::Sub(distance, error), high = hn::Add(distance, error);
+  bounds.low = hn::Sub(distance, error);
+  bounds.high = hn::Add(distance, error);
+  bounds.least = hn::Sub(area, margin);
+  bounds.most = hn::Add(area, margin);
+}
+
+template <class V>
+struct DepthMasks {
+  hn::Mask<hn::DFromV<V>> outside, inside;
+};
+
+/// How the depths of certain hits compare with a DepthInterval: see scalar::depth_of_hit().
+template <class V>
+HWY_INLINE DepthMasks<V> compare_depths(const DepthBounds<V>& depth, V outer_near, V outer_far, V inner_near,
+                                        V inner_far) {
+  const auto& [low, high, least, most] = depth;
   return {hn::Or(hn::Lt(high, hn::Mul(outer_near, least)), hn::Gt(low, hn::Mul(outer_far, most))),
           hn::And(hn::Gt(low, hn::Mul(inner_near, most)), hn::Lt(high, hn::Mul(inner_far, least)))};
 }
 
-HWY_INLINE LeafMasks test_triangles(const TriangleLanes& ray, const LeafTriangles& triangles,
-                                    const DepthLimits& depths) {
+/// See scalar::LeafDepths.
+struct LeafDepths {
+  FloatLanes low, most;
+};
+
+/// See scalar::depths_beyond().
+HWY_INLINE uint32_t depths_beyond(const LeafDepths& depths, float outer_far) {
+  return mask_bits(hn::Gt(depths.low, hn::Mul(hn::Set(Floats(), outer_far), depths.most)));
+}
+
+/// See scalar::store_nearest().
+HWY_INLINE void store_nearest(const LeafDepths& depths, float (&nearest)[8]) {
+  hn::StoreU(hn::Div(depths.low, depths.most), Floats(), nearest);
+}
+
+HWY_INLINE LeafMasks test_triangles(const TriangleLanes& ray, const LeafTriangles& triangles, const DepthLimits& depths,
+                                    LeafDepths& found) {
   const Floats d;
   const auto [a, b, c] = shear_triangles(ray, triangles);
   const FloatLanes ab = edge_function(a, b), bc = edge_function(b, c), ca = edge_function(c, a);
@@ -254,15 +283,29 @@ HWY_INLINE LeafMasks test_triangles(const TriangleLanes& ray, const LeafTriangle
   const LaneMask hit = hn::Or(hn::Gt(low, bound), hn::Lt(high, below));
   const FloatLanes outer_near = hn::Set(d, depths.outer_near), outer_far = hn::Set(d, depths.outer_far);
   const LaneMask outside = hn::Or(hn::Gt(near, outer_far), hn::Lt(far, outer_near));
+  DepthBounds<FloatLanes> bounds;
+  bound_depths<FloatLanes>({{ab, bc, ca}, {az, bz, cz}, bound, depth}, bounds);
+  found.low = bounds.low;
+  found.most = bounds.most;
   const DepthMasks<FloatLanes> of_hit =
-      compare_depths<FloatLanes>({{ab, bc, ca}, {az, bz, cz}, bound, depth}, outer_near, outer_far,
-                                 hn::Set(d, depths.inner_near), hn::Set(d, depths.inner_far));
+      compare_depths(bounds, outer_near, outer_far, hn::Set(d, depths.inner_near), hn::Set(d, depths.inner_far));
   const LaneMask out = hn::Or(hn::Or(missed, outside), hn::And(hit, of_hit.outside));
   const uint32_t possible = triangles.used & ~mask_bits(out), certain = possible & mask_bits(hit);
   return {possible, certain, certain & mask_bits(of_hit.inside)};
 }
 
+HWY_INLINE LeafMasks test_triangles(const TriangleLanes& ray, const LeafTriangles& triangles,
+                                    const DepthLimits& depths) {
+  LeafDepths found;
+  return test_triangles(ray, triangles, depths, found);
+}
+
 /// See scalar::test_triangles().
+HWY_INLINE LeafMasks test_triangles(const TriangleLanes& ray, const TriangleLeaf& leaf, const DepthLimits& depths,
+                                    LeafDepths& found) {
+  return test_triangles(ray, load_triangles(leaf, ray.axis), depths, found);
+}
+
 HWY_INLINE LeafMasks test_triangles(const TriangleLanes& ray, const TriangleLeaf& leaf, const DepthLimits& depths) {
   return test_triangles(ray, load_triangles(leaf, ray.axis), depths);
 }

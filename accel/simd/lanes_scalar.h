@@ -147,9 +147,27 @@ inline EdgeFilter filter_triangle(const PreparedRay& ray, const TriangleLeaf& le
           depth};
 }
 
+/// Depths of certain hits times the areas of their triangles, from below, and these areas from above.
+struct LeafDepths {
+  float low[8], most[8];
+};
+
+/// The lanes whose certain hits lie beyond DepthInterval::outer_far.
+inline uint32_t depths_beyond(const LeafDepths& depths, float outer_far) {
+  uint32_t lanes = 0;
+  for (uint32_t lane = 0; lane < 8; ++lane) lanes |= uint32_t{depths.low[lane] > outer_far * depths.most[lane]} << lane;
+  return lanes;
+}
+
+/// Depths of certain hits, good enough to tell which to look at first.
+inline void store_nearest(const LeafDepths& depths, float (&nearest)[8]) {
+  for (uint32_t lane = 0; lane < 8; ++lane) nearest[lane] = depths.low[lane] / depths.most[lane];
+}
+
 /// Whether the depth of a certain hit is outside the interval, or inside it. docs/numerics.md, "Depths".
 struct DepthOfHit {
   bool outside, inside;
+  float low, most;  ///< of LeafDepths
 };
 
 inline DepthOfHit depth_of_hit(const EdgeFilter& filter, const DepthInterval& depths) {
@@ -163,22 +181,31 @@ inline DepthOfHit depth_of_hit(const EdgeFilter& filter, const DepthInterval& de
   const float most = area + margin, least = area - margin;
   const float low = distance - error, high = distance + error;
   return {high < depths.outer_near * least || low > depths.outer_far * most,
-          low > depths.inner_near * most && high < depths.inner_far * least};
+          low > depths.inner_near * most && high < depths.inner_far * least, low, most};
 }
 
-inline LeafMasks test_triangles(const TriangleLanes& lanes, const TriangleLeaf& leaf, const DepthInterval& depths) {
+inline LeafMasks test_triangles(const TriangleLanes& lanes, const TriangleLeaf& leaf, const DepthInterval& depths,
+                                LeafDepths& found) {
   LeafMasks masks;
+  found = {};
   for (uint32_t lane = 0; lane < leaf.count; ++lane) {
     const EdgeFilter filter = filter_triangle(*lanes.ray, leaf, lane, depths.sign);
     if (filter.missed() || filter.near > depths.outer_far || filter.far < depths.outer_near) continue;
     const bool hit = filter.hit();
     const DepthOfHit depth = depth_of_hit(filter, depths);
+    found.low[lane] = depth.low;
+    found.most[lane] = depth.most;
     if (hit && depth.outside) continue;
     masks.possible |= 1u << lane;
     masks.certain |= uint32_t{hit} << lane;
     masks.inside |= uint32_t{hit && depth.inside} << lane;
   }
   return masks;
+}
+
+inline LeafMasks test_triangles(const TriangleLanes& lanes, const TriangleLeaf& leaf, const DepthInterval& depths) {
+  LeafDepths found;
+  return test_triangles(lanes, leaf, depths, found);
 }
 
 /// The hit with a triangle of a leaf that the ray's line certainly hits, if it is in range.

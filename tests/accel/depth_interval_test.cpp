@@ -76,7 +76,7 @@ TEST_CASE("certain hits called outside are outside the interval, those called in
       const DepthInterval depths(ray, t_far);
       const scalar::EdgeFilter filter = filter_of(c, ray, depths.sign);
       if (!filter.hit()) continue;
-      const auto [is_outside, is_inside] = scalar::depth_of_hit(filter, depths);
+      const auto [is_outside, is_inside, low, most] = scalar::depth_of_hit(filter, depths);
       const bool in_interval = t > ray.t_min && t <= t_far && std::isfinite(t);
       INFO(family_name(family) << " case " << i << ", t " << t << " in " << ray.t_min << " to " << t_far);
       REQUIRE_FALSE((is_outside && in_interval));
