@@ -17,20 +17,14 @@
 #include <rayloom/accel/lazy_part.h>
 #include <rayloom/accel/prefetch.h>
 #include <rayloom/accel/ray_run.h>
-#include <rayloom/accel/search.h>
-#include <rayloom/accel/structure.h>
 #include <rayloom/accel/traversal_stack.h>
-#include <rayloom/accel/triangle_hit.h>
-#include <rayloom/accel/visitor.h>
+#include <rayloom/accel/triangle_leaves-inl.h>
 
 #include <bit>
-#include <optional>
 #include <utility>
 
 #ifdef HWY_TARGET_INCLUDE
 #include <rayloom/accel/simd/children-inl.h>
-#include <rayloom/accel/simd/lane_hit-inl.h>
-#include <rayloom/accel/simd/prepare-inl.h>
 HWY_BEFORE_NAMESPACE();
 #define RAYLOOM_LANES HWY_NAMESPACE
 #else
@@ -41,38 +35,6 @@ HWY_BEFORE_NAMESPACE();
 #if !defined(HWY_TARGET_INCLUDE) || HWY_TARGET == HWY_AVX2 || HWY_TARGET == HWY_AVX3
 
 namespace rayloom::accel::RAYLOOM_LANES {
-
-/// A structure as one ray sees it. Distances are in the box space of this level's prepared ray.
-struct Level {
-  Level() = default;
-  /// pad_scale: see prepare_ray(). Nothing may be traced if ray.valid is false.
-  Level(const std::byte* structure, const BoundsLanes& bounds, const Ray& unprepared, const Search& search) {
-    start(structure, bounds, unprepared, search);
-  }
-  Level(const std::byte* structure, const Ray& unprepared, float pad_scale, const Search& search)
-      : Level(structure, BoundsLanes(header_of(structure), pad_scale), unprepared, search) {}
-
-  [[gnu::always_inline]] void start(const std::byte* structure, const BoundsLanes& bounds, const Ray& unprepared,
-                                    const Search& search) {
-    block = structure;
-    prepare_lanes(unprepared, bounds, ray);
-    if (!ray.valid) return;
-    t_near = ray.near_limit(ray.t_min);
-    t_far = ray.far_limit(search.t());
-    depths = DepthInterval(ray, search.t());
-  }
-  [[gnu::always_inline]] void shorten(const Search& search) {
-    t_far = ray.far_limit(search.t());
-    depths.shorten(search.t());
-  }
-  const StructureHeader& header() const { return header_of(block); }
-  const Node8& node(uint32_t ref) const { return *reinterpret_cast<const Node8*>(block + node_ref::offset(ref)); }
-
-  PreparedRay ray;
-  const std::byte* block;
-  float t_near, t_far;
-  DepthInterval depths;
-};
 
 using Child = TraversalStack::Entry;
 
@@ -190,103 +152,6 @@ bool traverse_ordered(Level& level, uint32_t start, const Leaves& leaves, Search
     return traverse_subtree<Order::stored>(level, start, leaves, search, visitor);
   return traverse_subtree<Order::distance>(level, start, leaves, search, visitor);
 }
-
-struct TriangleLeaves {
-  const InstanceRules& rules;
-
-  static std::optional<TriangleHit> intersect(const PreparedRay& ray, const TriangleLeaf& leaf, uint32_t lane,
-                                              bool certain, float t_far) {
-    if (certain) return hit_lane(ray, leaf, lane, t_far);
-    float v[3][3];
-    for (uint32_t vertex = 0; vertex < 3; ++vertex)
-      for (uint32_t axis = 0; axis < 3; ++axis) v[vertex][axis] = leaf.coordinate(vertex, axis, lane);
-    return intersect_triangle(ray, v[0], v[1], v[2], t_far);
-  }
-
-  template <class Visitor>
-  [[gnu::always_inline]] Offer visit(const Level& level, const std::byte* address, Search& search,
-                                     Visitor& visitor) const {
-    const auto* leaf = reinterpret_cast<const TriangleLeaf*>(address);
-    LeafDepths found;
-    const LeafMasks masks = test_triangles(TriangleLanes(level.ray), *leaf, level.depths, found);
-    if (masks.possible == 0) {
-      visitor.on_triangle_leaf(leaf, 0, 0);
-      return Offer::rejected;
-    }
-    if constexpr (is_silent<Visitor>)
-      if (takes_nearest(search.request())) return offer_nearest_first(level, *leaf, masks, found, search);
-    return offer_lanes(level, leaf, masks.possible, masks.certain, search, visitor);
-  }
-
-  /// Whether the nearest of all triangles is what the ray finds, in whatever order they are offered.
-  bool takes_nearest(const TraceRequest& request) const {
-    const bool takes_first = request.ray_flags & ray_flag::accept_first_hit_and_end_search;
-    return rules.hits.accepts_all & !request.candidate & !takes_first;
-  }
-
-  /// A hit may save those behind it the computation of their exact t.
-  [[gnu::always_inline]] Offer offer_nearest_first(const Level& level, const TriangleLeaf& leaf, LeafMasks masks,
-                                                   const LeafDepths& found, Search& search) const {
-    if ((masks.possible & (masks.possible - 1)) == 0) return offer_one(level, leaf, masks, search);
-    const LeafDepths in_memory{found};
-    return offer_several(level, leaf, masks, in_memory, search);
-  }
-
-  [[gnu::always_inline]] Offer offer_lane(const Level& level, const TriangleLeaf& leaf, uint32_t lane, bool certain,
-                                          Search& search) const {
-    const auto hit = intersect(level.ray, leaf, lane, certain, search.t());
-    return hit ? search.offer_accepted(rules, leaf.geometry_of(lane), leaf.primitive[lane], *hit) : Offer::rejected;
-  }
-
-  [[gnu::noinline]] Offer offer_one(const Level& level, const TriangleLeaf& leaf, LeafMasks masks,
-                                    Search& search) const {
-    return offer_lane(level, leaf, static_cast<uint32_t>(std::countr_zero(masks.possible)), masks.certain != 0, search);
-  }
-
-  [[gnu::noinline]] Offer offer_several(const Level& level, const TriangleLeaf& leaf, LeafMasks masks,
-                                        const LeafDepths& found, Search& search) const {
-    float nearest[8];
-    store_nearest(found, nearest);
-    DepthInterval interval = level.depths;
-    Offer result = Offer::rejected;
-    for (uint32_t left = masks.possible; left != 0;) {
-      const uint32_t lane = least_of(left, nearest);
-      left &= ~(1u << lane);
-      const Offer offer = offer_lane(level, leaf, lane, masks.certain >> lane & 1, search);
-      if (offer == Offer::rejected) continue;
-      result = offer;
-      interval.shorten(search.t());
-      left &= ~(masks.certain & depths_beyond(found, interval.outer_far));
-    }
-    return result;
-  }
-
-  static uint32_t least_of(uint32_t lanes, const float (&values)[8]) {
-    auto least = static_cast<uint32_t>(std::countr_zero(lanes));
-    for (uint32_t left = lanes & (lanes - 1); left != 0; left &= left - 1) {
-      const auto lane = static_cast<uint32_t>(std::countr_zero(left));
-      if (values[lane] < values[least]) least = lane;
-    }
-    return least;
-  }
-
-  template <class Visitor>
-  Offer offer_lanes(const Level& level, const TriangleLeaf* leaf, uint32_t possible, uint32_t certain, Search& search,
-                    Visitor& visitor) const {
-    uint32_t accepted = 0;
-    Offer result = Offer::rejected;
-    for (uint32_t left = possible; left != 0 && result != Offer::ended; left &= left - 1) {
-      const auto lane = static_cast<uint32_t>(std::countr_zero(left));
-      const auto hit = intersect(level.ray, *leaf, lane, certain >> lane & 1, search.t());
-      if (!hit) continue;
-      accepted |= 1u << lane;
-      const Offer offer = search.offer_triangle(rules, leaf->geometry_of(lane), leaf->primitive[lane], *hit, visitor);
-      result = std::max(result, offer);
-    }
-    visitor.on_triangle_leaf(leaf, possible, accepted);
-    return result;
-  }
-};
 
 struct ProceduralLeaves {
   const InstanceRules& rules;
