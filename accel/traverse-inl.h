@@ -2,7 +2,7 @@
 //
 // Included once for each set of lane tests, like a Highway -inl header: without Highway it takes those of
 // simd/lanes_scalar.h, inside a foreach_target pass those of simd/lanes-inl.h for that target. What it visits, and in
-// which order, is the same for all of them.
+// which order, is the same for all of them, but for a leaf's triangles where nobody sees their order.
 
 // clang-format off: the guard flips for each target.
 #if defined(RAYLOOM_ACCEL_TRAVERSE_INL_H) == defined(HWY_TARGET_TOGGLE)

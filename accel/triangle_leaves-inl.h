@@ -51,7 +51,7 @@ struct TriangleLeaves {
       visitor.on_triangle_leaf(leaf, 0, 0);
       return Offer::rejected;
     }
-    if constexpr (is_silent<Visitor>)
+    if constexpr (!SeesTriangles<Visitor>)
       if (takes_nearest(search.request())) return offer_nearest_first(level, *leaf, masks, found, search);
     return offer_lanes(level, leaf, masks.possible, masks.certain, search, visitor);
   }

@@ -26,8 +26,10 @@ struct Visitor {
   void on_candidate(const Candidate&, const Verdict&) {}
 };
 
-/// Whether a visitor has no hooks, so that nobody sees in which order a leaf's triangles come.
+/// Whether a visitor has a hook for triangles of its own. If not, nobody sees in which order a leaf's come.
 template <class V>
-inline constexpr bool is_silent = std::is_same_v<V, Visitor>;
+concept SeesTriangles = !requires {
+  requires std::is_same_v<decltype(&V::on_triangle_leaf), decltype(&Visitor::on_triangle_leaf)>;
+};
 
 }  // namespace rayloom::accel

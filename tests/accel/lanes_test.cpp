@@ -28,7 +28,10 @@ struct LaneFunctions {
   void (*prepare)(const Ray&, const StructureHeader&, float pad_scale, PreparedRay&);
   void (*object_ray)(const InstanceRecord&, const Ray&, Ray&);
   void (*push)(const PreparedRay&, const Node8&, float t_near, float t_far, bool by_distance, TraversalStack&);
+  TraversalStack::Entry (*nearest)(const PreparedRay&, const Node8&, float t_near, float t_far);
   void (*drop)(TraversalStack&, uint32_t base, float t_far);
+  LeafMasks (*depths)(const PreparedRay&, const TriangleLeaf&, float t_far, float outer_far, float nearest[8],
+                      uint32_t& beyond);
   std::optional<TriangleHit> (*hit)(const PreparedRay&, const TriangleLeaf&, uint32_t lane, float t_far);
   void (*determinants)(const PreparedRay&, const TriangleLeaf&, uint32_t lane, double value[4], double error[4]);
 };
@@ -71,6 +74,21 @@ void run_push(const PreparedRay& ray, const Node8& node, float t_near, float t_f
   by_distance ? push_by_distance(hits, node, stack) : push_in_order(hits, node, stack);
 }
 
+TraversalStack::Entry run_nearest(const PreparedRay& ray, const Node8& node, float t_near, float t_far) {
+  return nearest_child(test_node(BoxLanes(ray), node, t_near, t_far), node);
+}
+
+LeafMasks run_depths(const PreparedRay& ray, const TriangleLeaf& leaf, float t_far, float outer_far, float out[8],
+                     uint32_t& beyond) {
+  LeafDepths depths;
+  const LeafMasks masks = test_triangles(TriangleLanes(ray), leaf, DepthInterval(ray, t_far), depths);
+  float nearest[8];
+  store_nearest(depths, nearest);
+  std::copy_n(nearest, 8, out);
+  beyond = depths_beyond(depths, outer_far);
+  return masks;
+}
+
 void run_drop(TraversalStack& stack, uint32_t base, float t_far) { drop_farther(stack, base, t_far); }
 
 std::optional<TriangleHit> run_hit(const PreparedRay& ray, const TriangleLeaf& leaf, uint32_t lane, float t_far) {
@@ -85,8 +103,8 @@ void run_determinants(const PreparedRay& ray, const TriangleLeaf& leaf, uint32_t
 }
 
 LaneFunctions lane_functions() {
-  return {run_node, run_boxes, run_triangles, run_prepare,     run_object_ray,
-          run_push, run_drop,  run_hit,       run_determinants};
+  return {run_node,    run_boxes, run_triangles, run_prepare, run_object_ray,  run_push,
+          run_nearest, run_drop,  run_depths,    run_hit,     run_determinants};
 }
 
 #endif
@@ -226,6 +244,12 @@ TEST_CASE("children go on the stack in the same order on every target", "[unit]"
       require_equal(expected, found, by_distance ? 0 : expected.size());
       REQUIRE(std::equal(expected.nears(), expected.nears() + below, found.nears()));
       many += std::popcount(hits.mask) > 4;
+      if (!by_distance || hits.mask == 0) continue;
+      for (const auto& nearest :
+           {scalar::nearest_child(hits, c.node), target.functions.nearest(c.ray, c.node, t_near, t_far)}) {
+        REQUIRE(nearest.ref == expected.refs()[expected.size() - 1]);
+        REQUIRE(nearest.near == expected.nears()[expected.size() - 1]);
+      }
     }
     CHECK(many > 1000);
   }
@@ -285,6 +309,35 @@ TEST_CASE("triangle filters give the same masks on every target", "[unit]") {
     std::printf("%s: %d lanes certain, %d undecided\n", isa_name(target.isa).data(), certain, undecided);
     CHECK(certain > 10000);
     CHECK(undecided > 10000);
+  }
+}
+
+TEST_CASE("which certain hits come first and which lie beyond a depth is the same on every target", "[unit]") {
+  for (const auto& target : targets()) {
+    Random random(34);
+    int several = 0, dropped = 0;
+    for (int i = 0; i < 100000; ++i) {
+      const test::LeafCase c = test::random_leaf_case(random);
+      const DepthInterval depths(c.ray, c.ray.t_max);
+      scalar::LeafDepths found;
+      const LeafMasks expected = scalar::test_triangles(scalar::TriangleLanes(c.ray), c.leaf, depths, found);
+      float wanted[8], nearest[8];
+      scalar::store_nearest(found, wanted);
+      const float outer_far = wanted[random.below(8)] * random.uniform(0.5f, 2);
+      uint32_t beyond;
+      const LeafMasks masks = target.functions.depths(c.ray, c.leaf, c.ray.t_max, outer_far, nearest, beyond);
+      INFO(isa_name(target.isa) << ", case " << i);
+      REQUIRE(masks.certain == expected.certain);
+      REQUIRE((beyond & masks.certain) == (scalar::depths_beyond(found, outer_far) & masks.certain));
+      for (uint32_t left = masks.certain; left != 0; left &= left - 1) {
+        const float a = nearest[std::countr_zero(left)], b = wanted[std::countr_zero(left)];
+        REQUIRE((a == b || (std::isnan(a) && std::isnan(b))));
+      }
+      several += std::popcount(masks.certain) > 1;
+      dropped += std::popcount(beyond & masks.certain);
+    }
+    CHECK(several > 1000);
+    CHECK(dropped > 1000);
   }
 }
 
