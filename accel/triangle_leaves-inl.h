@@ -32,8 +32,8 @@ namespace rayloom::accel::RAYLOOM_LANES {
 struct TriangleLeaves {
   const InstanceRules& rules;
 
-  static std::optional<TriangleHit> intersect(const PreparedRay& ray, const TriangleLeaf& leaf, uint32_t lane,
-                                              bool certain, float t_far) {
+  [[gnu::always_inline]] static std::optional<TriangleHit> intersect(const PreparedRay& ray, const TriangleLeaf& leaf,
+                                                                     uint32_t lane, bool certain, float t_far) {
     if (certain) return hit_lane(ray, leaf, lane, t_far);
     float v[3][3];
     for (uint32_t vertex = 0; vertex < 3; ++vertex)
