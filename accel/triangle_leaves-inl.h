@@ -109,8 +109,8 @@ struct TriangleLeaves {
   }
 
   template <class Visitor>
-  Offer offer_lanes(const Level& level, const TriangleLeaf* leaf, uint32_t possible, uint32_t certain, Search& search,
-                    Visitor& visitor) const {
+  [[gnu::noinline]] Offer offer_lanes(const Level& level, const TriangleLeaf* leaf, uint32_t possible, uint32_t certain,
+                                      Search& search, Visitor& visitor) const {
     uint32_t accepted = 0;
     Offer result = Offer::rejected;
     for (uint32_t left = possible; left != 0 && result != Offer::ended; left &= left - 1) {
