@@ -48,11 +48,12 @@ struct alignas(64) Task {
   size_t next = 0, last = 0;
   uint32_t occluder = 0, place = 0;
   uint32_t node, leaf;
+  uint32_t tried[16] = {};  ///< leaves of the top level that the ray has tried before all others, then 0
   Search search;
   InstanceRules rules;
   Level levels[2];  ///< the request's structure, and a bottom level entered from it
   TraversalStack stack;
-  std::byte apart[832];  ///< keeps what tasks use at the same time out of the same cache sets, which repeat every 4 KiB
+  std::byte apart[768];  ///< keeps what tasks use at the same time out of the same cache sets, which repeat every 4 KiB
 
   void pop() { ref = stack.pop_ref(); }
 
@@ -302,8 +303,21 @@ class Interleaver {
     task.in_triangles = false;
     task.stack.push(level_end, 0);
     recent_.push(task.stack, task.occluder);
+    note_tried(task);
     task.pop();
     return true;
+  }
+
+  /// All that lies on the stack: a ray that they do not occlude passes them by later.
+  static void note_tried(Task& task) {
+    const uint32_t *const refs = task.stack.refs() + 1, count = task.stack.size() - 1;
+    for (uint32_t i = 0; i < std::size(task.tried); ++i) task.tried[i] = i < count ? refs[i] : 0;
+  }
+
+  static bool has_tried(const Task& task) {
+    bool same = false;
+    for (const uint32_t ref : task.tried) same |= ref == task.ref;
+    return same;
   }
 
   /// False: there is none.
@@ -345,7 +359,8 @@ class Interleaver {
     const TraceRequest& request = *rays_.shared;
     const std::byte* const block = addresses_.host(instance.bottom_level_address);
     const StructureHeader& header = header_of(block);
-    if (passes<lazy>(instance, request, header)) {
+    const bool again = hints && task.begun && has_tried(task);
+    if (!again && passes<lazy>(instance, request, header)) {
       Ray ray;
       object_ray_lanes(instance, task.search.ray(), ray);
       if (task.enter(1, block, BoundsLanes(header, 1), entry_of<lazy>(instance, header), ray)) {
