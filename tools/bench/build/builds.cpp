@@ -54,7 +54,7 @@ std::vector<Entry> make_entries(const BenchScene& scene, const BuildOptions& opt
 }
 
 /// The old structure goes first: memory for two is not needed.
-WorkTime rebuild(Entry& entry, const BenchScene& scene, unsigned threads) {
+WorkTime rebuild(Entry& entry, const BenchScene& scene, unsigned threads, unsigned most_threads) {
   const ThreadLimit limit(threads);
   if (entry.builder) {
     entry.structure.reset();
@@ -63,7 +63,7 @@ WorkTime rebuild(Entry& entry, const BenchScene& scene, unsigned threads) {
   }
   entry.peer.reset();
   EmbreeOptions options{entry.quality};
-  options.threads = threads;
+  options.threads = most_threads;  // `limit` holds for Embree, too, while a device's holds for us as long as it lives
   entry.peer = make_embree(scene.peer(), options);
   return entry.peer->build_time();
 }
@@ -75,13 +75,14 @@ void measure_builds(std::vector<Entry>& entries, const BenchScene& scene, const 
   if (options.progress) {
     progress.emplace(scene.name + " builds", rounds * entries.size() * options.threads.size(), "builds");
   }
+  const unsigned most_threads = *std::max_element(options.threads.begin(), options.threads.end());
   for (uint64_t round = 0; round < rounds; ++round) {
     for (size_t t = 0; t < options.threads.size(); ++t) {
       for (size_t k = 0; k < entries.size(); ++k) {
         tools::throw_if_interrupted();
         Entry& entry = entries[round % 2 ? entries.size() - 1 - k : k];
         const unsigned threads = options.threads[t];
-        const WorkTime time = rebuild(entry, scene, threads);
+        const WorkTime time = rebuild(entry, scene, threads, most_threads);
         const Clock clock = threads == 1 ? Clock::thread_cpu : Clock::wall;
         if (round > 0) entry.row.builds[t].second.seconds.push_back(time.seconds(clock));
         if (progress) progress->advance();
@@ -139,7 +140,7 @@ Rays spread_over(const Rays& rays, size_t count) {
 }
 
 void run_lazily(Entry& entry, const BenchScene& scene, const Rays& rays, LazyRun& run) {
-  WorkTime time = rebuild(entry, scene, 1);
+  WorkTime time = rebuild(entry, scene, 1, 1);
   const ThreadLimit limit(1);
   std::vector<accel::Hit> hits(rays.size());
   time.add([&] { trace_in_batches(*entry.structure, 0, usual_batch)(rays, hits); });
