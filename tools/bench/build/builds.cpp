@@ -53,7 +53,7 @@ std::vector<Entry> make_entries(const BenchScene& scene, const BuildOptions& opt
   return entries;
 }
 
-/// The old structure goes first: memory for two is not needed.
+/// The old structure goes first: memory for two is not needed. `most_threads`: of any build while its result lives.
 WorkTime rebuild(Entry& entry, const BenchScene& scene, unsigned threads, unsigned most_threads) {
   const ThreadLimit limit(threads);
   if (entry.builder) {
