@@ -48,7 +48,9 @@ struct alignas(64) Task {
   size_t next = 0, last = 0;
   uint32_t occluder = 0, place = 0;
   uint32_t node, leaf;
-  uint32_t tried[16] = {};  ///< leaves of the top level that the ray has tried before all others, then 0
+  /// Leaves of the top level that the ray has tried before all others, then 0. A vector's worth, more than
+  /// RecentOccluders::push() pushes; one left out would only be visited twice.
+  uint32_t tried[16] = {};
   Search search;
   InstanceRules rules;
   Level levels[2];  ///< the request's structure, and a bottom level entered from it

@@ -66,7 +66,7 @@ struct TriangleLeaves {
   [[gnu::always_inline]] Offer offer_nearest_first(const Level& level, const TriangleLeaf& leaf, LeafMasks masks,
                                                    const LeafDepths& found, Search& search) const {
     if ((masks.possible & (masks.possible - 1)) == 0) return offer_one(level, leaf, masks, search);
-    const LeafDepths in_memory{found};
+    const LeafDepths in_memory{found};  // or all rays would store `found`, whose address would be passed on
     return offer_several(level, leaf, masks, in_memory, search);
   }
 
