@@ -11,14 +11,13 @@
 // clang-format on
 
 #include <rayloom/accel/interleave-inl.h>
+#include <rayloom/accel/kept_array.h>
 #include <rayloom/accel/ray_run.h>
 #ifdef HWY_TARGET_INCLUDE
 #include <rayloom/accel/packet_instances-inl.h>
 #include <rayloom/accel/packet_occlusion-inl.h>
 #include <rayloom/accel/packets_in_turn-inl.h>
 #endif
-
-#include <vector>
 
 #ifdef HWY_TARGET_INCLUDE
 HWY_BEFORE_NAMESPACE();
@@ -31,10 +30,8 @@ HWY_BEFORE_NAMESPACE();
 
 namespace rayloom::accel::RAYLOOM_LANES {
 
-inline Hit trace_alone(AddressSpace addresses, const TraceRequest& request) {
-  Visitor none;
-  return traverse(addresses, request, none);
-}
+/// In simd/alone_highway.cpp and kernel_scalar.cpp.
+Hit trace_alone(AddressSpace addresses, const TraceRequest& request);
 
 inline void trace_one_by_one(AddressSpace addresses, const RayRun& rays, Hit* hits) {
   TraceRequest request = *rays.shared;
@@ -77,13 +74,13 @@ inline void trace_apart(AddressSpace addresses, const RayRun& rays, Hit* hits) {
 }
 
 #ifdef HWY_TARGET_INCLUDE
-/// Rays that are no part of a packet: long runs are traced where they lie; those of short runs are brought together, so
+/// Rays that are no part of a packet: long runs are traced where they lie, those of short runs are brought together, so
 /// that they have company. Result: Hit or, for rays that only want to know whether they hit anything, a byte.
 template <class Result>
 class RaysApart {
  public:
   RaysApart(AddressSpace addresses, const RayRun& rays, Result* results)
-      : addresses_(addresses), rays_(rays), results_(results) {}
+      : addresses_(addresses), rays_(rays), results_(results), strays_(std::min(rays.count, most_strays)) {}
 
   /// In ascending order.
   void add(size_t begin, size_t count) {
@@ -94,16 +91,17 @@ class RaysApart {
   /// What has not been traced yet.
   void finish() {
     trace_run_so_far(end_);
-    if (strays_.empty()) return;
-    std::vector<Result> found(strays_.size());
-    trace_apart(addresses_, {rays_.shared, strays_.data(), sizeof(Ray), strays_.size()}, found.data());
-    for (size_t i = 0; i < found.size(); ++i) *stray_results_[i] = found[i];
+    if (!strays_.empty()) trace_strays();
   }
 
   size_t count() const { return count_; }
 
  private:
-  static constexpr size_t long_run = 8 * packet_size;
+  static constexpr size_t long_run = 8 * packet_size, most_strays = 2048;
+  struct Stray {
+    Ray ray;
+    Result* result;
+  };
 
   /// The next one begins at `next`.
   void trace_run_so_far(size_t next) {
@@ -117,8 +115,15 @@ class RaysApart {
   }
 
   void add_stray(size_t i) {
-    strays_.push_back(rays_[i]);
-    stray_results_.push_back(&results_[i]);
+    strays_.emplace_back(rays_[i], &results_[i]);
+    if (strays_.size() == most_strays) trace_strays();
+  }
+
+  void trace_strays() {
+    KeptArray<Result> found(strays_.size());
+    trace_apart(addresses_, {rays_.shared, &strays_[0].ray, sizeof(Stray), strays_.size()}, found.begin());
+    for (size_t i = 0; i < strays_.size(); ++i) *strays_[i].result = found[i];
+    strays_.clear();
   }
 
   AddressSpace addresses_;
@@ -126,8 +131,7 @@ class RaysApart {
   Result* results_;
   size_t count_ = 0;
   size_t begin_ = 0, end_ = 0;  ///< of the run so far
-  std::vector<Ray> strays_;
-  std::vector<Result*> stray_results_;
+  KeptArray<Stray> strays_;
 };
 
 /// Rays that go together as packets, the others apart. Packet: see PacketsInTurn. Returns the number of rays traced in

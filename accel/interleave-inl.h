@@ -12,12 +12,12 @@
 #endif
 // clang-format on
 
+#include <rayloom/accel/kept_array.h>
 #include <rayloom/accel/ray_run.h>
 #include <rayloom/accel/recent_occluders.h>
 #include <rayloom/accel/traverse-inl.h>
 #include <rayloom/accel/visitor.h>
 
-#include <memory>
 #include <type_traits>
 
 #ifdef HWY_TARGET_INCLUDE
@@ -92,13 +92,14 @@ class Interleaver {
 
  public:
   Interleaver(AddressSpace addresses, const RayRun& rays, Result* results)
-      : addresses_(addresses), rays_(rays), results_(results), tasks_(new Task[std::min(rays.count, width)]) {}
+      : addresses_(addresses), rays_(rays), results_(results), tasks_(std::min(rays.count, width)) {}
 
   void run() {
     for (size_t i = 0; i < std::min(rays_.count, width); ++i) {
-      tasks_[i].search = Search(*rays_.shared);
-      tasks_[i].rules = rules_;
-      if (start_next(tasks_[i])) set_ends(file(tasks_[i], ends()));
+      Task& task = tasks_.emplace_back();
+      task.search = Search(*rays_.shared);
+      task.rules = rules_;
+      if (start_next(task)) set_ends(file(task, ends()));
     }
     while (nodes_->count + leaves_->count + others_->count != 0) {
       const bool leaves_now = leaves_->count >= enough || nodes_->count < enough;
@@ -398,7 +399,7 @@ class Interleaver {
   const uint32_t root_ = start_of<lazy>(header_of(rays_.shared->structure));
   size_t next_ = 0;
   RecentOccluders recent_;
-  std::unique_ptr<Task[]> tasks_;
+  KeptArray<Task> tasks_;
   Met met_[width];
   List lists_[6];
   List *nodes_ = &lists_[0], *spare_nodes_ = &lists_[1];

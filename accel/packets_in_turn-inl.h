@@ -10,11 +10,10 @@
 #endif
 // clang-format on
 
+#include <rayloom/accel/kept_array.h>
 #include <rayloom/accel/simd/packet_vectors-inl.h>
 
 #include <algorithm>
-#include <new>
-#include <vector>
 
 HWY_BEFORE_NAMESPACE();
 
@@ -32,11 +31,9 @@ class PacketsInTurn {
   using Result = typename Packet::Result;
 
   PacketsInTurn(AddressSpace addresses, const RayRun& rays, Result* results)
-      : run_(rays), results_(results), first_(addresses, *rays.shared) {
-    const size_t count = std::min(Packet::most, rays.count / (Packet::groups_each * size));
-    if (count < 2) return;
-    more_.reserve(count - 1);
-    for (size_t i = 1; i < count; ++i) more_.emplace_back(addresses, *rays.shared);
+      : run_(rays), results_(results), slots_(Packet::most) {
+    const size_t count = std::clamp(rays.count / (Packet::groups_each * size), size_t{1}, Packet::most);
+    for (size_t i = 0; i < count; ++i) slots_.emplace_back(addresses, *rays.shared);
   }
 
   /// `leave(begin, count)` is told of rays that do not go together, in ascending order.
@@ -44,8 +41,7 @@ class PacketsInTurn {
   void run(const Leave& leave) {
     Slot* active[Packet::most];
     size_t count = 0;
-    if (start(first_, leave)) active[count++] = &first_;
-    for (Slot& slot : more_)
+    for (Slot& slot : slots_)
       if (start(slot, leave)) active[count++] = &slot;
     while (count != 0) {
       for (size_t i = 0; i < count; ++i) {
@@ -115,8 +111,7 @@ class PacketsInTurn {
   size_t next_ = 0;
   uint32_t wanted_ = everyone();  ///< of the group at next_
   size_t skipped_ = 0;            ///< groups left unasked after the last that did not go together
-  Slot first_;
-  std::vector<Slot> more_;  ///< reserved at once: packets refer to their own members, so slots stay where they are
+  KeptArray<Slot> slots_;
 };
 
 }  // namespace rayloom::accel::HWY_NAMESPACE

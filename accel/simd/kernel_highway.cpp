@@ -16,8 +16,6 @@ namespace HWY_NAMESPACE {
 
 #if HWY_TARGET == HWY_AVX2 || HWY_TARGET == HWY_AVX3
 
-Hit trace_one(AddressSpace addresses, const TraceRequest& request) { return trace_alone(addresses, request); }
-
 void trace_rays(AddressSpace addresses, const RayRun& rays, Hit* hits) { trace_run(addresses, rays, hits); }
 
 void occlude_rays(AddressSpace addresses, const RayRun& rays, uint8_t* results) {
@@ -37,8 +35,8 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace rayloom::accel {
 namespace {
-constexpr Kernel avx2_kernel{N_AVX2::trace_one, N_AVX2::trace_rays, N_AVX2::occlude_rays, N_AVX2::trace_many};
-constexpr Kernel avx512_kernel{N_AVX3::trace_one, N_AVX3::trace_rays, N_AVX3::occlude_rays, N_AVX3::trace_many};
+constexpr Kernel avx2_kernel{N_AVX2::trace_alone, N_AVX2::trace_rays, N_AVX2::occlude_rays, N_AVX2::trace_many};
+constexpr Kernel avx512_kernel{N_AVX3::trace_alone, N_AVX3::trace_rays, N_AVX3::occlude_rays, N_AVX3::trace_many};
 }  // namespace
 
 const Kernel* highway_kernel(Isa isa) {

@@ -2,9 +2,13 @@
 #include <rayloom/accel/simd/kernel.h>
 
 namespace rayloom::accel {
-namespace {
 
-Hit trace_one(AddressSpace addresses, const TraceRequest& request) { return scalar::trace_alone(addresses, request); }
+Hit scalar::trace_alone(AddressSpace addresses, const TraceRequest& request) {
+  Visitor none;
+  return traverse(addresses, request, none);
+}
+
+namespace {
 
 void trace_rays(AddressSpace addresses, const RayRun& rays, Hit* hits) { scalar::trace_run(addresses, rays, hits); }
 
@@ -18,6 +22,6 @@ void trace_many(AddressSpace addresses, std::span<const TraceRequest> requests, 
 
 }  // namespace
 
-const Kernel scalar_kernel{trace_one, trace_rays, occlude_rays, trace_many};
+const Kernel scalar_kernel{scalar::trace_alone, trace_rays, occlude_rays, trace_many};
 
 }  // namespace rayloom::accel
