@@ -15,6 +15,7 @@
 #include <rayloom/accel/ray.h>
 #include <rayloom/accel/simd/build_kernel.h>
 #include <rayloom/accel/simd/compress_table.h>
+#include <rayloom/accel/simd/equal_corners-inl.h>
 #include <rayloom/accel/simd/prefix_counts.h>
 #include <rayloom/accel/simd/triangle_lanes-inl.h>
 
@@ -28,39 +29,6 @@ namespace HWY_NAMESPACE {
 
 using Bytes8 = hn::FixedTag<uint8_t, 8>;
 using Bytes16 = hn::FixedTag<uint8_t, 16>;
-
-/// Where `some` equals `other`, whose corners are numbered `number`, the lower number.
-HWY_INLINE void lower(WordLanes some, WordLanes other, WordLanes number, WordLanes& first) {
-  first = hn::IfThenElse(hn::Eq(some, other), hn::Min(first, number), first);
-}
-
-/// Compares corners whose lanes are `turn` and more apart. Unrolled by hand: all of it has to stay in registers.
-template <uint32_t turn>
-HWY_INLINE void compare_turned(const IndexLanes& indices, IndexLanes& first) {
-  const Words d;
-  const auto& [v0, v1, v2] = indices.vertex;
-  const WordLanes lane = hn::And(hn::Iota(d, turn), hn::Set(d, triangle_lanes - 1)),
-                  lane1 = hn::Add(lane, hn::Set(d, triangle_lanes));
-  const auto order = hn::IndicesFromVec(d, lane);
-  const WordLanes turned0 = hn::TableLookupLanes(v0, order), turned1 = hn::TableLookupLanes(v1, order);
-  if constexpr (turn > 0) {
-    lower(v0, turned0, lane, first.vertex[0]);
-    lower(v1, turned1, lane1, first.vertex[1]);
-    lower(v2, hn::TableLookupLanes(v2, order), hn::Add(lane1, hn::Set(d, triangle_lanes)), first.vertex[2]);
-  }
-  lower(v1, turned0, lane, first.vertex[1]);
-  lower(v2, turned0, lane, first.vertex[2]);
-  lower(v2, turned1, lane1, first.vertex[2]);
-  if constexpr (turn + 1 < triangle_lanes) compare_turned<turn + 1>(indices, first);
-}
-
-/// Every corner's first equal one; corners are numbered 8 * vertex + lane.
-HWY_INLINE IndexLanes first_equal(const IndexLanes& indices) {
-  const Words d;
-  IndexLanes first{{hn::Iota(d, 0), hn::Iota(d, triangle_lanes), hn::Iota(d, 2 * triangle_lanes)}};
-  compare_turned<0>(indices, first);
-  return first;
-}
 
 /// Which corners are the first of their vertex, a bit each.
 struct FirstOnes {
@@ -167,47 +135,44 @@ uint32_t write_table_leaf(const TriangleGeometry& geometry, std::span<const Prim
   return write_triangles(reader, primitive, reader.indices(primitive), refs.size(), leaf);
 }
 
-using IntLanes = hn::Vec<Ints>;
-
-/// How many lanes hold less, by comparing with the lanes `turn` and more further on.
-template <int32_t turn>
-HWY_INLINE IntLanes lanes_below(IntLanes value) {
-  const Ints d;
-  if constexpr (turn == triangle_lanes) {
-    return hn::Zero(d);
-  } else {
-    const auto lane = hn::And(hn::Iota(d, turn), hn::Set(d, triangle_lanes - 1));
-    const auto other = hn::TableLookupLanes(value, hn::IndicesFromVec(d, lane));
-    return hn::Add(lanes_below<turn + 1>(value), hn::IfThenElseZero(hn::Lt(other, value), hn::Set(d, 1)));
+/// Lanes compared with partners of theirs: the lower value goes to the lane that comes first.
+struct Compared {
+  HWY_INLINE Compared(WordLanes value, WordLanes partner)
+      : low(hn::Min(value, partner)), high(hn::Max(value, partner)) {}
+  HWY_INLINE WordLanes by_one() const { return hn::OddEven(high, low); }
+  HWY_INLINE WordLanes by_two() const {
+    const hn::FixedTag<uint64_t, 4> twos;
+    return hn::BitCast(Words(), hn::OddEven(hn::BitCast(twos, high), hn::BitCast(twos, low)));
   }
+  HWY_INLINE WordLanes by_four() const { return hn::ConcatUpperLower(Words(), high, low); }
+
+  WordLanes low, high;
+};
+
+/// Ascending, by a bitonic network (Batcher 1968) whose merges begin with one half reversed.
+HWY_INLINE WordLanes sorted(WordLanes value) {
+  value = Compared(value, hn::Shuffle2301(value)).by_one();
+  value = Compared(value, hn::Shuffle0123(value)).by_two();
+  value = Compared(value, hn::Shuffle2301(value)).by_one();
+  value = Compared(value, hn::Reverse(Words(), value)).by_four();
+  value = Compared(value, hn::Shuffle1032(value)).by_two();
+  return Compared(value, hn::Shuffle2301(value)).by_one();
 }
 
-/// Which lane has each rank; 0 for ranks that none has.
-template <int32_t turn>
-HWY_INLINE IntLanes lanes_by_rank(IntLanes rank) {
-  const Ints d;
-  if constexpr (turn == triangle_lanes) {
-    return hn::Zero(d);
-  } else {
-    const auto lane = hn::And(hn::Iota(d, turn), hn::Set(d, triangle_lanes - 1));
-    const auto other = hn::TableLookupLanes(rank, hn::IndicesFromVec(d, lane));
-    return hn::IfThenElse(hn::Eq(other, hn::Iota(d, 0)), lane, lanes_by_rank<turn + 1>(rank));
-  }
-}
-
+/// Primitives are below 2^29 (vectors_read), so that a lane's number fits below its primitive's.
 uint32_t write_leaf_of_rows(const TriangleGeometry& geometry, const TriangleRows& rows, size_t first, size_t count,
                             TriangleLeaf& leaf) {
   const Words d;
-  const Ints i;
-  const auto used = hn::FirstN(i, count);
+  constexpr int lane_bits = 3;
+  const auto lane = hn::Set(d, triangle_lanes - 1);
   const WordLanes primitive = hn::LoadU(d, rows.primitive + first);
-  const auto names = hn::IfThenElse(used, hn::BitCast(i, primitive), hn::Set(i, 0x7FFFFFFF));
-  const auto rank = hn::IfThenElse(used, lanes_below<1>(names), hn::Set(i, triangle_lanes));
-  const auto order = hn::IndicesFromVec(d, hn::BitCast(d, lanes_by_rank<0>(rank)));
+  const WordLanes named = hn::Or(hn::ShiftLeft<lane_bits>(primitive), hn::Iota(d, 0));
+  const WordLanes name = sorted(hn::IfThenElse(hn::FirstN(d, count), named, hn::AndNot(lane, hn::Set(d, ~0u))));
+  const auto order = hn::IndicesFromVec(d, hn::And(name, lane));
   const IndexLanes indices{{hn::TableLookupLanes(hn::LoadU(d, rows.vertex[0] + first), order),
                             hn::TableLookupLanes(hn::LoadU(d, rows.vertex[1] + first), order),
                             hn::TableLookupLanes(hn::LoadU(d, rows.vertex[2] + first), order)}};
-  return write_triangles(TriangleReader(geometry), hn::TableLookupLanes(primitive, order), indices, count, leaf);
+  return write_triangles(TriangleReader(geometry), hn::ShiftRight<lane_bits>(name), indices, count, leaf);
 }
 
 #endif  // HWY_TARGET
