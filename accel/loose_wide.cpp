@@ -10,21 +10,22 @@ namespace {
 
 constexpr LooseWide::Child no_child{{}, 0, 0};
 
-/// Where children go: inner ones first, then leaves, by rising area. Each is compared with all before it, without
-/// branches, which nobody could predict.
+/// Where children go: inner ones first, then leaves, by rising area. Each is compared with all others, without
+/// branches, which nobody could predict, and unrolled, so that counts stay in registers.
 std::array<uint32_t, node_width> lanes_of(const LooseWide& node) {
   std::array<uint64_t, node_width> key;
-  std::array<uint32_t, node_width> lane{};
   for (uint32_t i = 0; i < node_width; ++i) {
     const LooseWide::Child& child = i < node.count ? node.child[i] : no_child;
     const uint64_t leaf = child.ref >> 31;
     static_assert(node_ref::leaf_bit == 1u << 31);
     key[i] = i < node.count ? std::bit_cast<uint64_t>(child.area) | leaf << 63 : ~uint64_t{0};
-    for (uint32_t k = 0; k < i; ++k) {
-      const bool after = key[k] <= key[i];
-      lane[i] += after;
-      lane[k] += !after;
-    }
+  }
+  std::array<uint32_t, node_width> lane;
+#pragma GCC unroll 8
+  for (uint32_t i = 0; i < node_width; ++i) {
+    lane[i] = 0;
+#pragma GCC unroll 8
+    for (uint32_t k = 0; k < node_width; ++k) lane[i] += k < i ? key[k] <= key[i] : key[k] < key[i];
   }
   return lane;
 }
