@@ -10,7 +10,9 @@ constexpr uint32_t parallel_threshold = 16384;
 }
 
 /// Areas count relative to the root's, so that their sums fit a float.
-Collapse::Collapse(const BinaryTree& tree) : tree_(tree), kernel_(build_kernel()), plans_(tree.size()) {
+Collapse::Collapse(const BinaryTree& tree, ScratchVector<CollapsePlan> memory)
+    : tree_(tree), kernel_(build_kernel()), plans_(std::move(memory)) {
+  plans_.resize(tree.size());
   const double area = tree[0].box.half_area();
   area_scale_ = area > 0 ? 1 / area : 0;
   solve(0);

@@ -18,7 +18,9 @@ struct ChildList {
 /// section 3.2).
 class Collapse {
  public:
-  explicit Collapse(const BinaryTree& tree);
+  /// `memory` is that of an earlier one.
+  explicit Collapse(const BinaryTree& tree, ScratchVector<CollapsePlan> memory = {});
+  ScratchVector<CollapsePlan> take_memory() { return std::move(plans_); }
 
   /// Children of the wide node made from the inner binary node `slot`: inner nodes before leaves, then by rising area;
   /// any-hit rays visit them from the last to the first. A child is never left standing that would fit into its

@@ -42,7 +42,7 @@ void PartBuilder::plan(const Subtree& part) {
   build_on_curve({built_.refs, keys, order_->curve(), leaf_size, binned_size, scratch_, !has_rows_}, whole,
                  built_.tree);
   if (input_->builder == Builder::lbvh_treelets) built_ = rearranged_by_treelets(built_, leaf_size, whole);
-  collapse_.emplace(built_.tree);
+  collapse_.emplace(built_.tree, collapse_ ? collapse_->take_memory() : ScratchVector<CollapsePlan>());
 }
 
 /// The part's root may not become a node, so what would be its children is left open.

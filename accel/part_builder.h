@@ -20,12 +20,13 @@ struct PartRecipe {
 };
 PartRecipe part_recipe(Builder builder);
 
-/// A subtree without a place for its root. A part has up to eight.
+/// A subtree without a place for its root.
 struct Piece {
   Box box;
   LooseWide wide;
 };
 using Pieces = std::vector<Piece>;
+inline constexpr size_t most_pieces = node_width;  ///< of a part
 
 /// A part's nodes and leaves.
 class PartBytes {

@@ -64,7 +64,7 @@ class PartsInOrder::Worker {
       slot.bytes.start_in_place(all_.block_.data(), place);
     }
     builder_.write(slot.bytes);
-    if (place != 0) all_.parts_[part].pieces = std::move(slot.bytes.pieces);
+    if (place != 0) all_.parts_[part].keep(slot.bytes.pieces);
   }
 
   /// Null when another thread has failed.
@@ -161,7 +161,7 @@ uint64_t PartsInOrder::page_after_next() const {
 
 void PartsInOrder::move(size_t part, PartBytes& bytes) {
   bytes.move_to(block_.data(), place_[part]);
-  parts_[part].pieces = std::move(bytes.pieces);
+  parts_[part].keep(bytes.pieces);
 }
 
 void PartsInOrder::give_up() {

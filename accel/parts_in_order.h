@@ -5,6 +5,7 @@
 #include <rayloom/accel/part_builder.h>
 
 #include <condition_variable>
+#include <memory>
 #include <mutex>
 
 namespace rayloom::accel {
@@ -12,7 +13,14 @@ namespace rayloom::accel {
 /// A part and what is known of it once it is built.
 struct Part {
   Subtree where;
-  Pieces pieces;
+  Piece* first_piece = nullptr;  ///< of memory for most_pieces
+  size_t piece_count = 0;
+
+  void keep(const Pieces& pieces) {
+    std::uninitialized_copy(pieces.begin(), pieces.end(), first_piece);
+    piece_count = pieces.size();
+  }
+  std::span<const Piece> pieces() const { return {first_piece, piece_count}; }
 };
 
 /// Parts are built in memory of their own and moved to where they go, which follows from the bytes of all before, by

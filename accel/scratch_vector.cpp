@@ -12,20 +12,28 @@
 namespace rayloom::accel {
 namespace {
 
-constexpr size_t huge_page = size_t{2} << 20;
+constexpr size_t huge_page = size_t{2} << 20, small_page = 4096;
+constexpr size_t least_kept = size_t{64} << 10;
 constexpr size_t most_kept = size_t{256} << 20;
 
-size_t whole_pages(size_t bytes) { return (bytes + huge_page - 1) / huge_page * huge_page; }
+/// Of blocks from `least_kept` to a huge page few sizes are in use, so that they serve again.
+size_t whole_blocks(size_t bytes) {
+  const size_t unit = bytes < huge_page ? least_kept : huge_page;
+  return (bytes + unit - 1) / unit * unit;
+}
+
+std::align_val_t alignment_of(size_t bytes) { return std::align_val_t{bytes < huge_page ? small_page : huge_page}; }
 
 struct FreePages {
-  void operator()(void* memory) const { ::operator delete (memory, std::align_val_t{huge_page}); }
+  size_t bytes;
+  void operator()(void* memory) const { ::operator delete(memory, alignment_of(bytes)); }
 };
 using Pages = std::unique_ptr<void, FreePages>;
 
 Pages allocate_pages(size_t bytes) {
-  Pages memory(::operator new (bytes, std::align_val_t{huge_page}));
+  Pages memory(::operator new(bytes, alignment_of(bytes)), {bytes});
 #if defined(__linux__)
-  madvise(memory.get(), bytes, MADV_HUGEPAGE);  // a hint: failure costs time only
+  if (bytes >= huge_page) madvise(memory.get(), bytes, MADV_HUGEPAGE);  // a hint: failure costs time only
 #endif
   return memory;
 }
@@ -81,7 +89,7 @@ class Pool {
   };
   void drop(const Block& block) {
     kept_ -= block.bytes;
-    FreePages{}(block.memory);
+    FreePages{block.bytes}(block.memory);
   }
 
   std::mutex mutex_;
@@ -97,14 +105,14 @@ Pool& pool() {
 }  // namespace
 
 void* detail::allocate_scratch(size_t bytes) {
-  if (bytes < huge_page) return ::operator new(bytes);
-  const size_t pages = whole_pages(bytes);
-  if (void* const kept = pool().take(pages)) return kept;
-  return pool().add(allocate_pages(pages), pages);
+  if (bytes < least_kept) return ::operator new(bytes);
+  const size_t whole = whole_blocks(bytes);
+  if (void* const kept = pool().take(whole)) return kept;
+  return pool().add(allocate_pages(whole), whole);
 }
 
 void detail::free_scratch(void* memory, size_t bytes) {
-  if (bytes < huge_page)
+  if (bytes < least_kept)
     ::operator delete(memory);
   else
     pool().give_back(memory);

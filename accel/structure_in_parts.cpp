@@ -22,7 +22,7 @@ class PartCutter {
  private:
   /// Appends the parts of a subtree, in their order.
   void cut(const Subtree& subtree, std::vector<Part>& parts) const {
-    if (subtree.count <= part_size_) return parts.push_back({subtree, {}});
+    if (subtree.count <= part_size_) return parts.push_back({subtree});
     const auto keys = order_.keys().subspan(subtree.first, subtree.count);
     const auto code_of = [&](uint32_t i) { return order_.code(keys[i].index); };
     const auto [left, right] = halves_of(subtree, curve_cut(keys, subtree, leaf_size_, code_of), leaf_size_);
@@ -44,7 +44,7 @@ class PartCutter {
 std::vector<const Piece*> pieces_of(const std::vector<Part>& parts) {
   std::vector<const Piece*> pieces;
   for (const Part& part : parts)
-    for (const Piece& piece : part.pieces) pieces.push_back(&piece);
+    for (const Piece& piece : part.pieces()) pieces.push_back(&piece);
   return pieces;
 }
 
@@ -53,6 +53,9 @@ class StructureInParts {
   StructureInParts(const TriangleCurve& order, const TreeInput& input, StructureHeader& header,
                    std::span<std::byte> block)
       : order_(order), input_(input), header_(header), block_(block), parts_(PartCutter(order, input).take()) {
+    pieces_.resize(parts_.size() * most_pieces * sizeof(Piece));
+    for (size_t i = 0; i < parts_.size(); ++i)
+      parts_[i].first_piece = reinterpret_cast<Piece*>(pieces_.data()) + i * most_pieces;
     build_parts();
     join_parts();
   }
@@ -72,7 +75,7 @@ class StructureInParts {
       builder.plan(part.where);
       bytes.start_in_place(block_.data(), granule_);
       builder.write(bytes);
-      part.pieces = std::move(bytes.pieces);
+      part.keep(bytes.pieces);
       granule_ = bytes.wide.granule();
       sums_.add(bytes.wide.sums());
     }
@@ -111,6 +114,7 @@ class StructureInParts {
   StructureHeader& header_;
   std::span<std::byte> block_;
   std::vector<Part> parts_;
+  ScratchVector<std::byte> pieces_;  ///< memory for the pieces of all parts
   uint32_t granule_ = header_granules;
   WideSums sums_;
 };

@@ -27,6 +27,22 @@ TEST_CASE("scratch memory serves again, for builds of about the size") {
   release_build_scratch();
 }
 
+TEST_CASE("so does scratch memory of less than a huge page") {
+  release_build_scratch();
+  const void* first = nullptr;
+  {
+    ScratchVector<uint32_t> vector(40000);
+    vector.back() = 1;
+    first = vector.data();
+  }
+  {
+    const ScratchVector<uint32_t> again(39000), other(40000);
+    CHECK(again.data() == first);
+    CHECK(other.data() != first);
+  }
+  release_build_scratch();
+}
+
 TEST_CASE("scratch memory may be taken from many threads") {
   std::vector<uint32_t> wrong(64);
   parallel_for(wrong.size(), 1, [&](uint64_t begin, uint64_t) {
